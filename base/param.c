@@ -1,0 +1,234 @@
+#include "base/param.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+size_t rk_param_total(const struct rk_param_table *table) {
+    size_t total = 0;
+    for (size_t g = 0; g < table->count; g++) {
+        total += table->groups[g].count;
+    }
+    return total;
+}
+
+struct rk_param_ref rk_param_at(const struct rk_param_table *table, size_t i) {
+    const struct rk_param_group *group = table->groups;
+    while (i >= group->count) {
+        i -= group->count;
+        group++;
+    }
+    return (struct rk_param_ref){group, &group->rows[i]};
+}
+
+void rk_param_path(struct rk_param_ref ref, char path[RK_PARAM_PATH]) {
+    const char *dot = ref.group->prefix[0] != '\0' ? "." : "";
+    snprintf(path, RK_PARAM_PATH, "%s%s%s", ref.group->prefix, dot, ref.row->name);
+}
+
+struct rk_param_ref rk_param_find(const struct rk_param_table *table, const char *path) {
+    size_t total = rk_param_total(table);
+    for (size_t i = 0; i < total; i++) {
+        struct rk_param_ref ref = rk_param_at(table, i);
+        char known[RK_PARAM_PATH];
+        rk_param_path(ref, known);
+        if (strcmp(known, path) == 0) {
+            return ref;
+        }
+    }
+    return (struct rk_param_ref){NULL, NULL};
+}
+
+static void *value_of(struct rk_param_ref ref, void *values) {
+    return (char *)values + ref.group->offset + ref.row->offset;
+}
+
+void rk_param_defaults(const struct rk_param_table *table, void *values) {
+    size_t total = rk_param_total(table);
+    memset(values, 0, table->size);
+    for (size_t i = 0; i < total; i++) {
+        struct rk_param_ref ref = rk_param_at(table, i);
+        void *value = value_of(ref, values);
+        switch (ref.row->type) {
+        case RK_PARAM_REAL:
+            *(double *)value = ref.row->value;
+            break;
+        case RK_PARAM_COUNT:
+            *(uint64_t *)value = (uint64_t)ref.row->value;
+            break;
+        case RK_PARAM_FLAG:
+            *(bool *)value = ref.row->value != 0;
+            break;
+        case RK_PARAM_PIECE:
+            *(const struct rk_piece **)value = rk_registry_find(ref.row->choices, ref.row->choice);
+            break;
+        }
+    }
+}
+
+void rk_param_range(const struct rk_param *row, char *text, size_t size) {
+    if (row->type == RK_PARAM_FLAG) {
+        snprintf(text, size, "yes or no");
+    } else if (row->type == RK_PARAM_PIECE) {
+        size_t used = (size_t)snprintf(text, size, "one of:");
+        for (size_t i = 0; i < row->choices->count && used < size; i++) {
+            used += (size_t)snprintf(text + used, size - used, "%s %s", i ? "," : "",
+                                     row->choices->pieces[i]->name);
+        }
+    } else {
+        const char *what = row->type == RK_PARAM_COUNT ? "a whole number" : "a number";
+        const char *least = row->above_low ? "above" : "of at least";
+        size_t used = (size_t)snprintf(text, size, "%s", what);
+        if (isfinite(row->low) && used < size) {
+            used += (size_t)snprintf(text + used, size - used, " %s %g", least, row->low);
+        }
+        if (isfinite(row->high) && used < size) {
+            snprintf(text + used, size - used, "%s at most %g", isfinite(row->low) ? " and" : "",
+                     row->high);
+        }
+    }
+}
+
+static enum rk_status out_of_range(struct rk_param_ref ref, const char *path, const char *text,
+                                   struct rk_error *err) {
+    char range[256];
+    rk_param_range(ref.row, range, sizeof range);
+    const char *unit = ref.row->unit[0] != '\0' ? ref.row->unit : "no unit";
+    if (ref.row->type == RK_PARAM_PIECE) {
+        const char *nearest = rk_registry_nearest(ref.row->choices, text);
+        return rk_fail_about(err, RK_EINVALID, path, "%s: no %s is called '%.64s'%s%s%s; %s", path,
+                             ref.row->choices->kind, text, nearest ? " (did you mean '" : "",
+                             nearest ? nearest : "", nearest ? "'?)" : "", range);
+    }
+    if (ref.row->type == RK_PARAM_FLAG) {
+        return rk_fail_about(err, RK_EINVALID, path, "%s: '%.64s' is neither yes nor no", path,
+                             text);
+    }
+    return rk_fail_about(err, RK_EINVALID, path, "%s: '%.64s' will not do, it must be %s (%s)",
+                         path, text, range, unit);
+}
+
+static bool in_range(const struct rk_param *row, double x) {
+    return (row->above_low ? x > row->low : x >= row->low) && x <= row->high;
+}
+
+static bool parse_real(const struct rk_param *row, const char *text, double *x) {
+    char *end;
+    errno = 0;
+    *x = strtod(text, &end);
+    return end != text && *end == '\0' && isfinite(*x) && in_range(row, *x);
+}
+
+/* Counts may be written 25000 or 2.5e4, but not 2.5 and not above 2^53. */
+static bool parse_count(const struct rk_param *row, const char *text, uint64_t *count) {
+    double x;
+    if (!parse_real(row, text, &x) || x < 0 || x > 0x1p53 || x != floor(x)) {
+        return false;
+    }
+    *count = (uint64_t)x;
+    return true;
+}
+
+static bool parse_flag(const char *text, bool *flag) {
+    static const char *const words[] = {"no", "yes", "false", "true", "off", "on"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        if (strcmp(text, words[i]) == 0) {
+            *flag = i % 2 == 1;
+            return true;
+        }
+    }
+    return false;
+}
+
+static const char *path_name(const void *list, size_t i) {
+    return ((const char(*)[RK_PARAM_PATH])list)[i];
+}
+
+static enum rk_status unknown(const struct rk_param_table *table, const char *path,
+                              struct rk_error *err) {
+    size_t total = rk_param_total(table);
+    char(*paths)[RK_PARAM_PATH] = calloc(total, sizeof *paths);
+    const char *nearest = NULL;
+    for (size_t i = 0; paths && i < total; i++) {
+        rk_param_path(rk_param_at(table, i), paths[i]);
+    }
+    if (paths) {
+        nearest = rk_nearest_name(path, total, path_name, paths);
+    }
+    rk_fail_about(err, RK_EINVALID, path, "there is no parameter '%.96s'%s%s%s", path,
+                  nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    free(paths);
+    return RK_EINVALID;
+}
+
+enum rk_status rk_param_set(const struct rk_param_table *table, void *values, const char *path,
+                            const char *text, struct rk_error *err) {
+    struct rk_param_ref ref = rk_param_find(table, path);
+    if (!ref.row) {
+        return unknown(table, path, err);
+    }
+    void *value = value_of(ref, values);
+    bool good = false;
+    double real;
+    uint64_t count;
+    bool flag;
+    const struct rk_piece *piece;
+    switch (ref.row->type) {
+    case RK_PARAM_REAL:
+        good = parse_real(ref.row, text, &real);
+        if (good) {
+            *(double *)value = real;
+        }
+        break;
+    case RK_PARAM_COUNT:
+        good = parse_count(ref.row, text, &count);
+        if (good) {
+            *(uint64_t *)value = count;
+        }
+        break;
+    case RK_PARAM_FLAG:
+        good = parse_flag(text, &flag);
+        if (good) {
+            *(bool *)value = flag;
+        }
+        break;
+    case RK_PARAM_PIECE:
+        piece = rk_registry_find(ref.row->choices, text);
+        good = piece != NULL;
+        if (good) {
+            *(const struct rk_piece **)value = piece;
+        }
+        break;
+    }
+    return good ? RK_OK : out_of_range(ref, path, text, err);
+}
+
+/* The fewest digits that read back to the same double. */
+static void shortest(double x, char text[RK_PARAM_TEXT]) {
+    for (int digits = 1; digits <= 17; digits++) {
+        snprintf(text, RK_PARAM_TEXT, "%.*g", digits, x);
+        if (strtod(text, NULL) == x) {
+            return;
+        }
+    }
+}
+
+void rk_param_text(struct rk_param_ref ref, const void *values, char text[RK_PARAM_TEXT]) {
+    const void *value = (const char *)values + ref.group->offset + ref.row->offset;
+    switch (ref.row->type) {
+    case RK_PARAM_REAL:
+        shortest(*(const double *)value, text);
+        break;
+    case RK_PARAM_COUNT:
+        snprintf(text, RK_PARAM_TEXT, "%llu", (unsigned long long)*(const uint64_t *)value);
+        break;
+    case RK_PARAM_FLAG:
+        snprintf(text, RK_PARAM_TEXT, "%s", *(const bool *)value ? "yes" : "no");
+        break;
+    case RK_PARAM_PIECE:
+        snprintf(text, RK_PARAM_TEXT, "%s", (*(const struct rk_piece *const *)value)->name);
+        break;
+    }
+}

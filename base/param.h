@@ -1,0 +1,87 @@
+/* One table of parameters.
+ *
+ * A parameter is declared once, as a row: name, type, unit, default, range, doc, and where its
+ * value lies in a plain struct. That row parses it, refuses what is out of range, describes it,
+ * writes it into every output and makes it sweepable. Rows that belong to a piece (a contact, a
+ * drive) are grouped; a case's table is a list of groups, each under a prefix:
+ * "contact" + "kn" is the parameter "contact.kn".
+ *
+ * The struct behind a table is plain memory of `table->size` bytes: copy it with memcpy.
+ * Tables are constant and may be read by all threads.
+ */
+#ifndef RK_BASE_PARAM_H
+#define RK_BASE_PARAM_H
+
+#include "base/error.h"
+#include "base/piece.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+enum rk_param_type {
+    RK_PARAM_REAL,  /* double, finite */
+    RK_PARAM_COUNT, /* uint64_t */
+    RK_PARAM_FLAG,  /* bool: yes/no, true/false, on/off */
+    RK_PARAM_PIECE, /* const struct rk_piece *: a name out of `choices` */
+};
+
+struct rk_param {
+    const char *name;
+    enum rk_param_type type;
+    size_t offset;      /* of the value in its group's struct */
+    const char *unit;   /* "" for a pure number */
+    double value;       /* the default of REAL, COUNT and FLAG */
+    const char *choice; /* the default of PIECE */
+    double low, high;   /* the range of REAL and COUNT, both ends included ... */
+    bool above_low;     /* ... unless the low end is not */
+    const struct rk_registry *choices;
+    const char *doc;
+};
+
+struct rk_param_group {
+    const char *prefix; /* "" for none */
+    const struct rk_param *rows;
+    size_t count;
+    size_t offset; /* of the group's struct in the table's */
+};
+
+struct rk_param_table {
+    const struct rk_param_group *groups;
+    size_t count;
+    size_t size; /* bytes of the whole struct */
+};
+
+/* Longest "prefix.name" and longest text of a value, with the closing NUL. */
+enum { RK_PARAM_PATH = 96, RK_PARAM_TEXT = 64 };
+
+/* A row together with the group it stands in. */
+struct rk_param_ref {
+    const struct rk_param_group *group;
+    const struct rk_param *row;
+};
+
+/* How many parameters a table has, and the i-th of them (i below that count). */
+size_t rk_param_total(const struct rk_param_table *table);
+struct rk_param_ref rk_param_at(const struct rk_param_table *table, size_t i);
+
+/* The parameter of that path; row == NULL when there is none. */
+struct rk_param_ref rk_param_find(const struct rk_param_table *table, const char *path);
+
+/* Write "prefix.name" to `path`. */
+void rk_param_path(struct rk_param_ref ref, char path[RK_PARAM_PATH]);
+
+/* Set every value of `values` (table->size bytes) to its default. */
+void rk_param_defaults(const struct rk_param_table *table, void *values);
+
+/* Set one value from text. Fails with RK_EINVALID, err->subject being `path`: unknown name (with
+ * the nearest known one), wrong type, out of range. On failure `values` is as it was. */
+enum rk_status rk_param_set(const struct rk_param_table *table, void *values, const char *path,
+                            const char *text, struct rk_error *err);
+
+/* Write a value as text that rk_param_set reads back to the same bits. */
+void rk_param_text(struct rk_param_ref ref, const void *values, char text[RK_PARAM_TEXT]);
+
+/* Write the range, or the list of choices, in words: "above 0, at most 1", "one of: a, b". */
+void rk_param_range(const struct rk_param *row, char *text, size_t size);
+
+#endif
