@@ -1,0 +1,79 @@
+/* Cases: scenes of the theses, each a builder with its own parameters.
+ *
+ * A case is one `static const struct rk_case`, in a folder of its own with its study files and a
+ * README that names the figures it reproduces. It turns a set of parameters and a stream of random
+ * numbers into a scene that stands ready at time 0, and says how long to run and when to look.
+ *
+ * Threads: all functions may be called by many threads at once, on different scenes.
+ */
+#ifndef RK_CASES_CASES_H
+#define RK_CASES_CASES_H
+
+#include "base/param.h"
+#include "base/random.h"
+#include "engine/engine.h"
+
+extern const struct rk_registry rk_case_registry; /* bne */
+
+/* How long a run is and when it is looked at; the same parameters for every case: "run.*". */
+struct rk_run_spec {
+    uint64_t periods; /* length of a run, in drive periods */
+    uint64_t samples; /* observables: samples a period */
+    uint64_t frames;  /* grains: a frame every so many periods, 0 for the first and last only */
+};
+extern const struct rk_param rk_run_params[];
+extern const size_t rk_run_param_count;
+
+/* The same, in steps. A period is a whole number of samples, a sample a whole number of steps. */
+struct rk_schedule {
+    double dt;
+    double period;         /* duration of one period: steps_per_period * dt */
+    uint64_t steps;        /* of the whole run: a whole number of periods */
+    uint64_t sample_every; /* steps between two samples of the observables */
+    uint64_t samples_per_period;
+    uint64_t frame_every; /* steps between two frames; 0: first and last only */
+    double stable_dt;     /* the largest stable step, to compare dt with */
+};
+
+/* What the preparation of a bed came to. */
+struct rk_preparation {
+    uint64_t steps;
+    double time;
+    double kinetic; /* mean kinetic energy a grain at the end [m g d of a mean grain] */
+};
+
+/* Asked now and then during a long preparation: true means give up (RK_EINTERRUPTED). */
+struct rk_cancel {
+    bool (*asked)(void *context);
+    void *context;
+};
+
+struct rk_case {
+    struct rk_piece piece;
+    const struct rk_param_table *params;
+
+    /* Do the parameters fit each other? RK_EINVALID with err->subject naming one that does not. */
+    enum rk_status (*check)(const void *params, struct rk_error *err);
+
+    /* Times and sizes, of parameters that passed check. */
+    struct rk_schedule (*schedule)(const void *params);
+    size_t (*grains)(const void *params);
+    uint64_t (*preparation_steps)(const void *params); /* at most */
+    struct rk_focus (*focus)(const void *params);
+
+    /* The scene at time 0, its bed prepared from `stream`. *scene is the caller's.
+     * RK_EINVALID, RK_EMEMORY, RK_EUNSTABLE (also: the bed would not come to rest),
+     * RK_EINTERRUPTED. */
+    enum rk_status (*prepare)(const void *params, struct rk_stream stream,
+                              const struct rk_cancel *cancel, struct rk_scene **scene,
+                              struct rk_preparation *report, struct rk_error *err);
+
+    /* The same scene without grains, for rk_scene_unpack. */
+    enum rk_status (*empty)(const void *params, struct rk_scene **scene, struct rk_error *err);
+
+    /* The probes it is watched with. */
+    const struct rk_probe *const *probes;
+    size_t probe_count;
+};
+
+#endif

@@ -1,0 +1,262 @@
+/* The engine: discs, their contacts, walls and drives in two dimensions.
+ *
+ * It knows no file, no study and no statistic. A caller fills a struct rk_scene_spec, adds walls
+ * and grains, steps, and looks at the scene through `const` functions, which cannot alter a run.
+ *
+ * Units: lengths in the mean grain diameter d, g = 1, masses so that a grain of radius R has
+ * m = R^2 (areal density 1/pi; Martins 2021, ch. 5); hence times in sqrt(d/g). Angles in radians,
+ * counter-clockwise. x to the right, y up.
+ *
+ * Equations: the pair law is in engine/contact.h, the integrator in engine/kernel.h.
+ *
+ * The same bytes: the trajectory depends on the spec, the walls and the grains only. It does not
+ * depend on the neighbour method, on its skin, on the vector width of the processor, on whether
+ * anybody looked, nor on whether the scene was packed and unpacked on the way.
+ *
+ * Threads: one scene belongs to one thread at a time; different scenes are independent.
+ */
+#ifndef RK_ENGINE_ENGINE_H
+#define RK_ENGINE_ENGINE_H
+
+#include "base/error.h"
+#include "base/param.h"
+#include "base/piece.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* ---- Pieces that can be chosen by name -------------------------------------------------- */
+
+extern const struct rk_registry rk_law_registry;       /* linear */
+extern const struct rk_registry rk_friction_registry;  /* none, cundall-strack */
+extern const struct rk_registry rk_tension_registry;   /* cut, keep */
+extern const struct rk_registry rk_drive_registry;     /* rest, sinusoid */
+extern const struct rk_registry rk_neighbour_registry; /* cells, all-pairs */
+extern const struct rk_registry rk_kernel_registry;    /* portable, avx2, avx512 */
+extern const struct rk_registry rk_probe_registry;     /* intruder, energy, plate */
+
+/* ---- What a scene is made of ------------------------------------------------------------- */
+
+/* The contact of two bodies, or of a body and a wall. */
+struct rk_contact_spec {
+    const struct rk_piece *law;      /* out of rk_law_registry */
+    const struct rk_piece *friction; /* out of rk_friction_registry */
+    const struct rk_piece *tension;  /* out of rk_tension_registry */
+    double kn;                       /* normal stiffness */
+    double kt;                       /* tangential stiffness */
+    double mu;                       /* coefficient of friction */
+    double damping;                  /* gamma / (2 sqrt(kn m_min)), m_min the smallest mass */
+};
+extern const struct rk_param rk_contact_params[];
+extern const size_t rk_contact_param_count;
+
+/* The time step and how neighbours are found: what it costs and how exact it is. */
+struct rk_accuracy_spec {
+    double step;                      /* dt / sqrt(m_min/kn), at most; "zeta_t" of Martins 2021 */
+    const struct rk_piece *neighbour; /* out of rk_neighbour_registry */
+    double skin;                      /* extra reach of the neighbour list [d] */
+};
+extern const struct rk_param rk_accuracy_params[];
+extern const size_t rk_accuracy_param_count;
+
+/* When a run counts as nonsense. */
+struct rk_health_spec {
+    double overlap; /* largest overlap, as a share of the smaller radius */
+    double travel;  /* largest move in one step, as a share of the grain's radius */
+    uint64_t every; /* steps between two checks */
+};
+extern const struct rk_param rk_health_params[];
+extern const size_t rk_health_param_count;
+
+struct rk_scene_spec {
+    size_t grains;     /* how many there will be at most, 0 to RK_GRAINS_MAX */
+    size_t walls;      /* likewise, 0 to RK_WALLS_MAX */
+    double period_x;   /* width of the periodic box [0, period_x), 0 for an open one */
+    double floor_y;    /* a grain whose centre falls below is "outside the box" */
+    double gravity[2]; /* acceleration */
+    double dt;         /* time step */
+    double gamma;      /* normal damping constant, see rk_contact_gamma */
+    double smallest;   /* smallest mass a grain may have */
+    struct rk_contact_spec contact;
+    struct rk_accuracy_spec accuracy;
+    struct rk_health_spec health;
+    const struct rk_piece
+        *kernel; /* out of rk_kernel_registry; NULL: the fastest of this machine */
+};
+
+#define RK_GRAINS_MAX ((size_t)1 << 27)
+#define RK_WALLS_MAX ((size_t)64)
+
+/* A grain as it is added and as it is looked at. */
+struct rk_grain {
+    double x, y, vx, vy;
+    double angle, omega; /* 0 and ignored where there is no friction */
+    double radius, mass; /* moment of inertia mass radius^2/2: a disc */
+    bool held;           /* nailed to its place: feels forces, does not move */
+};
+
+/* How a wall moves. sinusoid: displacement amplitude sin(2 pi t/period + phase) along direction. */
+struct rk_drive_spec {
+    const struct rk_piece *kind; /* out of rk_drive_registry; NULL: rest */
+    double amplitude;
+    double period;
+    double phase;        /* [rad] */
+    double direction[2]; /* unit vector */
+};
+
+/* A straight wall, infinitely long: everything on the side its normal points to is free. */
+struct rk_wall_spec {
+    double point[2];  /* a point of it at displacement 0 */
+    double normal[2]; /* unit vector into the free side */
+    bool friction;    /* false: this wall is smooth, whatever the contact says */
+    struct rk_drive_spec drive;
+};
+
+/* gamma of a contact: damping * 2 sqrt(kn smallest). */
+double rk_contact_gamma(const struct rk_contact_spec *contact, double smallest);
+
+/* The largest time step for which velocity Verlet with the dashpot at the predicted velocity is
+ * stable for a grain of mass `smallest` in a triangular packing (w^2 = 6 kn/m, damping likewise;
+ * physics of section "Integrators" in the README). */
+double rk_stable_step(double kn, double gamma, double smallest);
+
+/* ---- Life of a scene --------------------------------------------------------------------- */
+
+struct rk_scene;
+
+/* A scene without grains or walls; *scene is the caller's, free with rk_scene_free.
+ * RK_EINVALID (with err->subject where a parameter is at fault), RK_EMEMORY. */
+enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene **scene,
+                               struct rk_error *err);
+void rk_scene_free(struct rk_scene *scene); /* NULL is fine */
+
+/* Add a grain or a wall, before the first step. Its number is the count before: 0, 1, 2, ...
+ * A grain keeps that number ("tag") for life. RK_EINVALID: no room, non-finite, radius or mass not
+ * positive, lighter than spec.smallest, coincident with another grain, normal not of length one. */
+enum rk_status rk_scene_add_grain(struct rk_scene *scene, const struct rk_grain *grain,
+                                  struct rk_error *err);
+enum rk_status rk_scene_add_wall(struct rk_scene *scene, const struct rk_wall_spec *wall,
+                                 struct rk_error *err);
+
+/* Advance by `steps` time steps. RK_EUNSTABLE when the state has become nonsense: the message
+ * names the time, the grain, the value and the largest stable dt; the scene stays as it was found.
+ * The check is made every spec.health.every steps and at no other moment. */
+enum rk_status rk_scene_step(struct rk_scene *scene, uint64_t steps, struct rk_error *err);
+
+/* Between two phases of one run (a settled bed begins to be shaken): the clock goes back to step
+ * 0 and the time step changes, or a wall gets another drive, or a grain is held or let go.
+ * Contacts and their history live on. A released grain starts at rest. */
+enum rk_status rk_scene_restart_clock(struct rk_scene *scene, double dt, struct rk_error *err);
+enum rk_status rk_scene_set_drive(struct rk_scene *scene, size_t wall,
+                                  const struct rk_drive_spec *drive, struct rk_error *err);
+enum rk_status rk_scene_hold(struct rk_scene *scene, uint32_t tag, bool held, struct rk_error *err);
+
+/* ---- Looking at a scene ------------------------------------------------------------------ */
+
+size_t rk_scene_grains(const struct rk_scene *scene);
+size_t rk_scene_walls(const struct rk_scene *scene);
+uint64_t rk_scene_steps(const struct rk_scene *scene);
+double rk_scene_time(const struct rk_scene *scene); /* steps * dt */
+const struct rk_scene_spec *rk_scene_spec(const struct rk_scene *scene);
+bool rk_scene_rotates(const struct rk_scene *scene); /* false without friction */
+
+/* The grain of that tag. Its x lies in [0, period_x) where the box is periodic. */
+enum rk_status rk_scene_grain(const struct rk_scene *scene, uint32_t tag, struct rk_grain *grain,
+                              struct rk_error *err);
+
+/* All grains in order of their tags, as float32 or float64 columns of `rk_scene_grains` entries,
+ * each NULL if not wanted. position and velocity are [grain][2]. */
+struct rk_snapshot {
+    float *position, *velocity; /* [n][2] */
+    float *angle, *omega;       /* [n]; zero where nothing rotates */
+    double *radius, *mass;      /* [n] */
+};
+void rk_scene_snapshot(const struct rk_scene *scene, const struct rk_snapshot *out);
+
+/* The touching pairs of the last step, in the order in which they were summed. `second` of a wall
+ * contact is the wall's number and `wall` is true. The force acts on `second` (on the wall),
+ * normal pointing from first to second; tangent = normal turned +90 degrees. */
+struct rk_contact {
+    uint32_t first, second;
+    bool wall;
+    double normal[2];
+    double overlap;
+    double fn, ft;
+};
+size_t rk_scene_contacts(const struct rk_scene *scene);
+void rk_scene_contact(const struct rk_scene *scene, size_t i, struct rk_contact *contact);
+
+/* Displacement and velocity of a wall at the present time, force of the grains on it at the last
+ * step; each [2], NULL if not wanted. */
+void rk_scene_wall(const struct rk_scene *scene, size_t wall, double displacement[2],
+                   double velocity[2], double force[2]);
+
+/* Energies of the present state: translation, rotation, springs of the contacts, height above 0. */
+struct rk_energy {
+    double kinetic, rotational, elastic, gravitational;
+};
+struct rk_energy rk_scene_energy(const struct rk_scene *scene);
+
+/* The largest value of three kinds of trouble at present, for `check`s and for choosing limits. */
+struct rk_strain {
+    double overlap; /* largest overlap / smaller radius */
+    double travel;  /* largest |v| dt / radius */
+};
+struct rk_strain rk_scene_strain(const struct rk_scene *scene);
+
+/* ---- Keeping and resuming ---------------------------------------------------------------- */
+
+/* The state as a block of bytes: everything that the field tables declare. Unpack into a scene
+ * with the same spec, the same walls and no grains; the run goes on with the same bytes.
+ * RK_EFORMAT when the block is not such a state (it may come from a damaged file: every size and
+ * index is checked); the scene must then be freed. */
+size_t rk_scene_packed_size(const struct rk_scene *scene);
+void rk_scene_pack(const struct rk_scene *scene, void *block);
+enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t size,
+                               struct rk_error *err);
+
+/* ---- Measuring --------------------------------------------------------------------------- */
+
+enum rk_phase {
+    RK_PHASE_MOVE,
+    RK_PHASE_NEIGHBOURS,
+    RK_PHASE_PAIRS,
+    RK_PHASE_SUM,
+    RK_PHASE_WALLS,
+    RK_PHASE_COUNT
+};
+const char *rk_phase_name(enum rk_phase phase);
+
+struct rk_profile {
+    uint64_t ticks[RK_PHASE_COUNT]; /* of the caller's clock, 0 without one */
+    uint64_t rebuilds;              /* of the neighbour list */
+    uint64_t pairs;                 /* neighbour pairs looked at, summed over steps */
+    uint64_t contacts;              /* touching pairs, summed over steps */
+};
+/* A clock to time the phases with; NULL (the default) for none. */
+void rk_scene_set_clock(struct rk_scene *scene, uint64_t (*now)(void));
+struct rk_profile rk_scene_profile(const struct rk_scene *scene);
+size_t rk_scene_memory(const struct rk_scene *scene); /* bytes held */
+
+/* ---- Probes ------------------------------------------------------------------------------ */
+
+/* What a case tells the probes about its scene. */
+struct rk_focus {
+    uint32_t grain; /* the grain of interest, the intruder */
+    size_t wall;    /* the wall heights are measured from, the plate */
+};
+
+struct rk_probe_column {
+    const char *name, *unit, *doc;
+};
+
+/* A probe turns a scene into one row of numbers; it has no state and cannot change anything. */
+struct rk_probe {
+    struct rk_piece piece;
+    const struct rk_probe_column *columns;
+    size_t count;
+    void (*sample)(const struct rk_scene *scene, const struct rk_focus *focus, double *row);
+};
+
+#endif

@@ -1,0 +1,45 @@
+/* The store: one folder a study.
+ *
+ *     study.yaml       as resolved                     runs/<id>.h5     one H5MD file a run
+ *     plan.h5          the runs and their parameters   runs/<id>.spool  while it runs: the rows and
+ *     study.h5         index over the runs, analyses                    frames so far, append-only
+ *     lock             held by the program at work     runs/<id>.ckpt   while it runs: checkpoint
+ *
+ * A run's file is complete or it is not there: it is written in one pass from the finished spool
+ * to a temporary file, synced, and renamed. Written in one pass it has the same bytes however
+ * often the run was killed and resumed on the way.
+ *
+ * Threads: calls into HDF5 are serialised inside; everything else is per run.
+ */
+#ifndef RK_ENSEMBLE_STORE_H
+#define RK_ENSEMBLE_STORE_H
+
+#include "base/error.h"
+#include "ensemble/study.h"
+
+struct rk_store;
+
+/* Open the folder of a plan for work: made if it is not there, refused (RK_ECONFLICT) if it holds
+ * another plan, or anything that is not a study, or if another program is at work in it. */
+enum rk_status rk_store_open(const char *folder, const struct rk_plan *plan,
+                             struct rk_store **store, struct rk_error *err);
+void rk_store_close(struct rk_store *store);
+
+enum rk_run_state { RK_RUN_WAITING, RK_RUN_STARTED, RK_RUN_DONE, RK_RUN_FAILED };
+
+/* What the folder says of a run. DONE and FAILED both have a complete file; FAILED is a run that
+ * went numerically wrong, its reason is kept in the file. A damaged file counts as WAITING. */
+enum rk_run_state rk_store_run_state(const char *folder, const struct rk_run *run);
+
+/* One observable of one run, as it was recorded: `samples` values at t = 0, interval, 2 interval,
+ * ... The data is the caller's, free with free(). */
+struct rk_observable {
+    double *values;
+    size_t samples;
+    double interval;
+};
+/* `name` is "probe.column", "intruder.height". RK_EIO, RK_EFORMAT, RK_EINVALID: no such one. */
+enum rk_status rk_store_read(const char *folder, const struct rk_run *run, const char *name,
+                             struct rk_observable *out, struct rk_error *err);
+
+#endif
