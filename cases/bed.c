@@ -158,8 +158,9 @@ enum rk_status rk_bed_settle(struct rk_scene *scene, const struct rk_settle_spec
                              const struct rk_cancel *cancel, struct rk_preparation *report,
                              struct rk_error *err) {
     enum { STRIDE = 200 };
-    double dt = rk_scene_spec(scene)->dt;
-    uint64_t most = (uint64_t)ceil(settle->time / dt);
+    uint64_t begin = rk_scene_steps(scene);
+    uint64_t most = begin + (uint64_t)ceil(settle->time / rk_scene_spec(scene)->dt);
+    double begin_time = rk_scene_time(scene);
     while (rk_scene_steps(scene) < most) {
         if (cancel && cancel->asked(cancel->context)) {
             return rk_fail(err, RK_EINTERRUPTED, "stopped while the bed was settling");
@@ -172,7 +173,7 @@ enum rk_status rk_bed_settle(struct rk_scene *scene, const struct rk_settle_spec
         report->time = rk_scene_time(scene);
         report->kinetic = mean_kinetic(scene);
         /* A bed that has not begun to fall is slow too: give it one time unit. */
-        if (report->time > 1 && report->kinetic < settle->kinetic) {
+        if (report->time > begin_time + 1 && report->kinetic < settle->kinetic) {
             return RK_OK;
         }
     }

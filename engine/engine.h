@@ -222,8 +222,7 @@ enum rk_phase {
     RK_PHASE_MOVE,       /* predict and correct */
     RK_PHASE_NEIGHBOURS, /* renewing the list */
     RK_PHASE_TOUCH,      /* which pairs touch */
-    RK_PHASE_PUSH,       /* their forces */
-    RK_PHASE_SUM,        /* forces to grains */
+    RK_PHASE_PUSH,       /* their forces, summed into the grains */
     RK_PHASE_WALLS,
     RK_PHASE_COUNT
 };
