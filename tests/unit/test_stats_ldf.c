@@ -1,0 +1,498 @@
+/* Large-deviation functions: exact cases first, then coverage. */
+#include "stats/stats.h"
+#include "stats_data.h"
+
+#include <gsl/gsl_cdf.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static struct rk_ldf_options standard(void) {
+    return (struct rk_ldf_options){.window = 1, .bootstrap = 200, .points = 41, .level = 0.95};
+}
+
+/* The estimate from samples that are windows of length `tau` themselves. */
+static struct rk_ldf *estimate(const double *x, size_t replicas, size_t samples, double tau,
+                               const struct rk_ldf_options *options) {
+    struct rk_series series = series_of(x, replicas, samples, tau);
+    struct rk_stream stream = bootstrap_of(5);
+    struct rk_ldf *ldf = NULL;
+    struct rk_error err = RK_NO_ERROR;
+    if (rk_ldf_estimate(&ldf, &series, RK_SERIES_RATE, options, &stream, &err) != RK_OK) {
+        fail_msg("%s", err.message);
+    }
+    return ldf;
+}
+
+static void logsumexp_never_overflows(void **state) {
+    (void)state;
+    double big[2] = {1e300, 1e300}, small[3] = {-1e4, -1e4, -1e4}, far[2] = {0, -1e308};
+    double infinite[2] = {INFINITY, 0}, nothing[2] = {-INFINITY, -INFINITY}, bad[2] = {1, NAN};
+    assert_true(rk_logsumexp(big, 2) == 1e300);
+    assert_true(fabs(rk_logsumexp(small, 3) - (log(3) - 1e4)) < 1e-11);
+    assert_true(rk_logsumexp(far, 2) == 0);
+    assert_true(rk_logsumexp(infinite, 2) == INFINITY);
+    assert_true(rk_logsumexp(nothing, 2) == -INFINITY);
+    assert_true(rk_logsumexp(NULL, 0) == -INFINITY);
+    assert_true(isnan(rk_logsumexp(bad, 2)));
+}
+
+enum { COINS = 10, TOSSES = 100 };
+
+/* Replicas of 0 and `one`, with 25, 26, .., 34 ones of 100 each: p = 0.295 in all. */
+static void fill_coins(double *x, double one) {
+    for (size_t r = 0; r < COINS; r++) {
+        for (size_t i = 0; i < TOSSES; i++) {
+            x[r * TOSSES + i] = i < 25 + r ? one : 0;
+        }
+    }
+}
+
+/* lambda = ln(1 - p + p e)/tau with e = exp(k tau), a = p e/(1 - p + p e), and the rate is the
+ * relative entropy of (a, p) over tau. Sums of 1000 terms lose at most 1000 roundings: 2.2e-13
+ * relative; 1e-12 of the largest number that enters leaves room for the products. */
+static void two_values_give_the_exact_function(void **state) {
+    (void)state;
+    double x[COINS * TOSSES], p = 0.295, tau = 3;
+    fill_coins(x, 1);
+    struct rk_ldf_options options = standard();
+    struct rk_ldf *ldf = estimate(x, COINS, TOSSES, tau, &options);
+    for (size_t i = 0; i < ldf->points; i++) {
+        double e = exp(ldf->k[i] * tau), z = 1 - p + p * e, a = p * e / z;
+        double entropy = (a * log(a / p) + (1 - a) * log((1 - a) / (1 - p))) / tau;
+        assert_true(fabs(ldf->lambda[i] - log(z) / tau) < 1e-12 * fmax(1, fabs(ldf->k[i])));
+        assert_true(fabs(ldf->mean[i] - a) < 1e-12);
+        assert_true(fabs(ldf->rate[i] - entropy) < 1e-12);
+        double n = 1000 * z * z / (1 - p + p * e * e);
+        assert_true(fabs(ldf->n_eff[i] - n) < 1e-9);
+        assert_int_equal(ldf->verdict[i], RK_INTERVAL);
+    }
+    /* Hundreds of windows share each extreme value: there is no limit. */
+    assert_true(ldf->k_low == -INFINITY && ldf->k_high == INFINITY);
+    assert_true(fabs(ldf->point_low) < 1e-12 && fabs(ldf->point_high - 1) < 1e-12);
+    assert_true(fabs(ldf->minimum.estimate - p) < 1e-12);
+    assert_true(fabs(ldf->curvature.estimate - tau * p * (1 - p)) < 1e-12);
+    assert_int_equal(ldf->at_zero_verdict, RK_REFUSED); /* 0 is the edge of the support */
+    rk_ldf_free(ldf);
+}
+
+/* The bootstrap of two-valued data has a law of its own: the sum over 10 replicas of ones drawn
+ * from 25..34 is Gaussian to good accuracy, with the deviation of the mean p of sqrt(8.25/10)/100.
+ * The tails for 10 units are at t(0.975; 9) sqrt(10/9) = 2.262157 * 1.054093 = 2.384549 deviations.
+ * The error of that quantile q from 20000 resamples is sqrt(Q(1-Q)/20000)/density = 4.6 % of a
+ * deviation with Q = 0.00855, four times that 0.19; the lattice (steps of 0.001 against 0.00908)
+ * adds 0.11. */
+static void tails_of_the_bootstrap_are_as_wide_as_stated(void **state) {
+    (void)state;
+    double x[COINS * TOSSES];
+    fill_coins(x, 1);
+    struct rk_ldf_options options = standard();
+    options.bootstrap = 20000;
+    options.points = 5;
+    struct rk_ldf *ldf = estimate(x, COINS, TOSSES, 1, &options);
+    double deviation = sqrt(8.25 / 10) / 100;
+    assert_true(fabs((ldf->minimum.high - 0.295) / deviation - 2.384549) < 0.3);
+    assert_true(fabs((0.295 - ldf->minimum.low) / deviation - 2.384549) < 0.3);
+    rk_ldf_free(ldf);
+}
+
+static void fill_quantiles(double *x, size_t replicas, size_t samples) {
+    /* Quantiles of the Gaussian, dealt out to the replicas in turn. */
+    size_t count = replicas * samples;
+    for (size_t n = 0; n < count; n++) {
+        x[(n % replicas) * samples + n / replicas] =
+            gsl_cdf_ugaussian_Pinv(((double)n + 0.5) / (double)count);
+    }
+}
+
+/* What holds for any data. For all a_i = mean(k_i): k_j a_i - lambda(k_j) <= rate(k_i), with
+ * equality for j = i, to roundings of numbers below 30; n_eff is L at 0. */
+static void legendre_duality_holds(void **state) {
+    (void)state;
+    enum { REPLICAS = 16, SAMPLES = 200 };
+    static double x[REPLICAS * SAMPLES];
+    gsl_rng *rng = rng_of(21);
+    for (size_t i = 0; i < REPLICAS * SAMPLES; i++) {
+        x[i] = gsl_ran_exponential(rng, 1.5) - 1;
+    }
+    gsl_rng_free(rng);
+    struct rk_ldf_options options = standard();
+    struct rk_ldf *ldf = estimate(x, REPLICAS, SAMPLES, 2, &options);
+    size_t half = ldf->points / 2;
+    double sum = 0;
+    for (size_t i = 0; i < REPLICAS * SAMPLES; i++) {
+        sum += x[i];
+    }
+    assert_true(ldf->k[half] == 0 && ldf->lambda[half] == 0 && ldf->rate[half] == 0);
+    assert_true(fabs(ldf->mean[half] - sum / (REPLICAS * SAMPLES)) < 1e-13);
+    assert_true(ldf->n_eff[half] == REPLICAS * SAMPLES);
+    size_t tested = 0;
+    for (size_t i = 0; i < ldf->points; i++) {
+        assert_true(i == 0 || ldf->mean[i] > ldf->mean[i - 1]);
+        for (size_t j = 0; j < ldf->points && !isnan(ldf->rate[i]); j++) {
+            if (!isnan(ldf->lambda[j])) {
+                double bound = ldf->k[j] * ldf->mean[i] - ldf->lambda[j];
+                assert_true(bound <= ldf->rate[i] + 1e-13);
+                assert_true(j != i || bound > ldf->rate[i] - 1e-13);
+                tested++;
+            }
+        }
+    }
+    assert_true(tested > 900);
+    rk_ldf_free(ldf);
+}
+
+/* mean(k) is the slope of lambda(k): central differences over h = 1e-3 err by h^2 lambda'''/6, with
+ * lambda''' below 1 here, plus roundings 1e-15/h. */
+static void tilted_mean_is_the_slope(void **state) {
+    (void)state;
+    enum { REPLICAS = 8, SAMPLES = 64 };
+    double x[REPLICAS * SAMPLES];
+    fill_quantiles(x, REPLICAS, SAMPLES);
+    struct rk_ldf_options options = standard();
+    options.k_low = -0.02;
+    options.k_high = 0.02;
+    struct rk_ldf *ldf = estimate(x, REPLICAS, SAMPLES, 1, &options);
+    assert_true(fabs(ldf->k[0] + 0.02) < 1e-15 && fabs(ldf->k[40] - 0.02) < 1e-15);
+    for (size_t i = 1; i + 1 < ldf->points; i++) {
+        double slope = (ldf->lambda[i + 1] - ldf->lambda[i - 1]) / (ldf->k[i + 1] - ldf->k[i - 1]);
+        assert_true(fabs(slope - ldf->mean[i]) < 1e-6 / 6 + 1e-11);
+    }
+    rk_ldf_free(ldf);
+}
+
+/* k_c solves its equation, computed anew here with logsumexp, and lies where theory puts it for
+ * Gaussian windows, sqrt(2 ln L)/s: known to the relative order 1/ln L only, of which two are taken
+ * (24 %). Without the entropy of the weights the root would be infinite. */
+static void limit_of_gaussian_windows(void **state) {
+    (void)state;
+    enum { REPLICAS = 16, SAMPLES = 250, L = REPLICAS * SAMPLES };
+    static double x[L], e[L];
+    fill_quantiles(x, REPLICAS, SAMPLES);
+    struct rk_ldf_options options = standard();
+    double tau = 2;
+    struct rk_ldf *ldf = estimate(x, REPLICAS, SAMPLES, tau, &options);
+    assert_true(fabs(ldf->k_low + ldf->k_high) < 1e-9);
+    assert_true(fabs(ldf->point_low + ldf->point_high) < 1e-9);
+    double k = ldf->k_high, a = 0, all = log(L);
+    for (size_t j = 0; j < L; j++) {
+        e[j] = k * tau * x[j];
+    }
+    double lambda = (rk_logsumexp(e, L) - all) / tau;
+    for (size_t j = 0; j < L; j++) {
+        a += x[j] * exp(e[j] - tau * lambda - all);
+    }
+    assert_true(fabs(tau * (k * a - lambda) - (all - sqrt(4 / M_PI * all))) < 1e-10);
+    assert_true(fabs(a - ldf->point_high) < 1e-10);
+    assert_true(fabs(k * tau / sqrt(2 * all) - 1) < 2 / all);
+    size_t refused = 0, points = 0, intervals = 0;
+    for (size_t i = 0; i < ldf->points; i++) {
+        bool beyond = fabs(ldf->k[i]) > ldf->k_high;
+        assert_true((ldf->verdict[i] == RK_REFUSED) == beyond);
+        assert_true(isnan(ldf->lambda[i]) == beyond && isnan(ldf->rate[i]) == beyond);
+        assert_true(isfinite(ldf->mean[i]) && ldf->n_eff[i] >= 1);
+        bool banded = ldf->verdict[i] == RK_INTERVAL;
+        assert_true(isnan(ldf->lambda_low[i]) == !banded && isnan(ldf->rate_high[i]) == !banded);
+        assert_true(!banded || ldf->n_eff[i] >= sqrt(L));
+        refused += beyond;
+        intervals += banded;
+        points += !beyond && !banded;
+    }
+    assert_true(refused >= 4 && points >= 4 && intervals >= 4);
+    rk_ldf_free(ldf);
+}
+
+/* One window of 1 among 999 of 0: with the share w of all weight on it the tilted mean is w and
+ * n_eff is below 1/w^2, so that n_eff >= sqrt(L) allows w up to L^(-1/4) = 0.178 at most. Where the
+ * window decides alone there is neither interval nor point. On the other side all windows agree. */
+static void one_outlier_is_not_believed(void **state) {
+    (void)state;
+    enum { REPLICAS = 10, SAMPLES = 100 };
+    static double x[REPLICAS * SAMPLES];
+    x[357] = 1;
+    struct rk_ldf_options options = standard();
+    struct rk_ldf *ldf = estimate(x, REPLICAS, SAMPLES, 1, &options);
+    assert_true(isfinite(ldf->k_high) && ldf->k_low == -INFINITY);
+    assert_int_equal(ldf->verdict[ldf->points - 1], RK_REFUSED);
+    assert_true(ldf->interval_high > 0.001 && ldf->interval_high < 0.178);
+    rk_ldf_free(ldf);
+}
+
+/* Data times 2^n gives the same lambda and rate over k 2^-n, to the last bit. */
+static void magnitude_does_not_matter(void **state) {
+    (void)state;
+    enum { REPLICAS = 8, SAMPLES = 50 };
+    double x[REPLICAS * SAMPLES], y[REPLICAS * SAMPLES];
+    gsl_rng *rng = rng_of(22);
+    fill_gaussian(x, REPLICAS * SAMPLES, 1, 1, rng);
+    gsl_rng_free(rng);
+    struct rk_ldf_options options = standard();
+    struct rk_ldf *ldf = estimate(x, REPLICAS, SAMPLES, 1, &options);
+    for (int power = -1000; power <= 1000; power += 400) {
+        for (size_t i = 0; i < REPLICAS * SAMPLES; i++) {
+            y[i] = ldexp(x[i], power);
+        }
+        struct rk_ldf *other = estimate(y, REPLICAS, SAMPLES, 1, &options);
+        for (size_t i = 0; i < ldf->points; i++) {
+            assert_true(other->k[i] == ldexp(ldf->k[i], -power));
+            assert_true(other->mean[i] == ldexp(ldf->mean[i], power));
+        }
+        size_t bytes = ldf->points * sizeof(double);
+        assert_memory_equal(other->lambda, ldf->lambda, bytes);
+        assert_memory_equal(other->rate, ldf->rate, bytes);
+        assert_memory_equal(other->rate_high, ldf->rate_high, bytes);
+        assert_true(isnan(other->curvature.estimate) == (abs(power) > 511));
+        rk_ldf_free(other);
+    }
+    rk_ldf_free(ldf);
+}
+
+/* 1e-300 and 1e300 side by side: all but one of the windows are as good as equal. */
+static void mixed_magnitudes_do_not_overflow(void **state) {
+    (void)state;
+    double x[50];
+    for (size_t i = 0; i < 50; i++) {
+        x[i] = (i % 2 == 0 ? 1 : -1) * pow(10, -300 + 12 * (double)i);
+    }
+    struct rk_ldf_options options = standard();
+    struct rk_ldf *ldf = estimate(x, 10, 5, 1, &options);
+    for (size_t i = 0; i < ldf->points; i++) {
+        assert_true(isfinite(ldf->k[i]) && isfinite(ldf->mean[i]));
+        assert_true(ldf->verdict[i] == RK_REFUSED || isfinite(ldf->rate[i]));
+        assert_true(ldf->verdict[i] != RK_INTERVAL || isfinite(ldf->rate_high[i]));
+    }
+    rk_ldf_free(ldf);
+}
+
+static void same_stream_same_bytes(void **state) {
+    (void)state;
+    enum { REPLICAS = 8, SAMPLES = 50 };
+    double x[REPLICAS * SAMPLES];
+    gsl_rng *rng = rng_of(23);
+    fill_gaussian(x, REPLICAS * SAMPLES, 0, 1, rng);
+    gsl_rng_free(rng);
+    struct rk_series series = series_of(x, REPLICAS, SAMPLES, 1);
+    struct rk_ldf_options options = standard();
+    struct rk_stream stream = bootstrap_of(1), before = stream, another = bootstrap_of(2);
+    struct rk_ldf *a, *b, *c;
+    assert_int_equal(rk_ldf_estimate(&a, &series, RK_SERIES_RATE, &options, &stream, NULL), RK_OK);
+    assert_int_equal(rk_ldf_estimate(&b, &series, RK_SERIES_RATE, &options, &stream, NULL), RK_OK);
+    assert_int_equal(rk_ldf_estimate(&c, &series, RK_SERIES_RATE, &options, &another, NULL), RK_OK);
+    size_t bytes = a->points * sizeof(double);
+    assert_memory_equal(&stream, &before, sizeof stream);
+    assert_memory_equal(a->rate, b->rate, bytes);
+    assert_memory_equal(a->rate_low, b->rate_low, bytes);
+    assert_memory_equal(a->lambda_high, b->lambda_high, bytes);
+    assert_memory_equal(&a->minimum, &b->minimum, sizeof a->minimum);
+    assert_string_equal(a->text, b->text);
+    /* Other resamples move the bands and nothing else. */
+    assert_memory_equal(a->rate, c->rate, bytes);
+    assert_true(memcmp(a->lambda_high, c->lambda_high, bytes) != 0);
+    rk_ldf_free(a);
+    rk_ldf_free(b);
+    rk_ldf_free(c);
+}
+
+static void refuse(const struct rk_series *series, const struct rk_ldf_options *options,
+                   enum rk_status status, const char *words) {
+    struct rk_stream stream = bootstrap_of(1);
+    struct rk_error err = RK_NO_ERROR;
+    struct rk_ldf *ldf;
+    assert_int_equal(rk_ldf_estimate(&ldf, series, RK_SERIES_RATE, options, &stream, &err), status);
+    assert_null(ldf);
+    if (!strstr(err.message, words)) {
+        fail_msg("\"%s\" does not say \"%s\"", err.message, words);
+    }
+}
+
+static void what_cannot_be_told_is_refused(void **state) {
+    (void)state;
+    double x[200];
+    gsl_rng *rng = rng_of(24);
+    fill_gaussian(x, 200, 0, 1, rng);
+    gsl_rng_free(rng);
+    struct rk_ldf_options options = standard();
+    struct rk_series series = series_of(x, 4, 50, 1);
+    refuse(&series, &options, RK_EREFUSED, "4 replicas");
+    series = series_of(x, 1, 9, 1);
+    refuse(&series, &options, RK_EREFUSED, "5 blocks");
+    series = series_of(x, 1, 1, 1);
+    refuse(&series, &options, RK_EREFUSED, "samples");
+    series = series_of(x, 8, 25, 1);
+    options.window = 26;
+    refuse(&series, &options, RK_EREFUSED, "whole window");
+    options = standard();
+    x[7 * 25 + 3] = INFINITY;
+    refuse(&series, &options, RK_EINVALID, "replica 7, sample 3");
+    x[7 * 25 + 3] = 0;
+    options.points = 40;
+    refuse(&series, &options, RK_EINVALID, "odd");
+    options = standard();
+    options.bootstrap = 10;
+    refuse(&series, &options, RK_EINVALID, "resamplings");
+    options = standard();
+    options.k_low = 1;
+    options.k_high = 2;
+    refuse(&series, &options, RK_EINVALID, "range of k");
+    options.k_low = -1e308;
+    options.k_high = 1e308;
+    refuse(&series, &options, RK_EINVALID, "range of a double");
+    options = standard();
+    options.level = NAN;
+    refuse(&series, &options, RK_EINVALID, "level");
+    for (size_t i = 0; i < 200; i++) {
+        x[i] = 0.1;
+    }
+    options = standard();
+    refuse(&series, &options, RK_EREFUSED, "same average");
+}
+
+/* A trend of one standard deviation over the run is seen; so are windows of a random walk's kind.
+ */
+static void warnings_are_given(void **state) {
+    (void)state;
+    enum { REPLICAS = 16, SAMPLES = 100 };
+    static double x[REPLICAS * SAMPLES];
+    struct rk_ldf_options options = standard();
+    gsl_rng *rng = rng_of(25);
+    fill_gaussian(x, REPLICAS * SAMPLES, 0, 1, rng);
+    struct rk_ldf *ldf = estimate(x, REPLICAS, SAMPLES, 1, &options);
+    assert_int_equal(ldf->warnings, 0);
+    rk_ldf_free(ldf);
+    for (size_t i = 0; i < REPLICAS * SAMPLES; i++) {
+        x[i] += (double)(i % SAMPLES) / SAMPLES; /* halves differ by 0.5 = 10 errors */
+    }
+    ldf = estimate(x, REPLICAS, SAMPLES, 1, &options);
+    assert_int_equal(ldf->warnings & RK_LDF_DRIFTS, RK_LDF_DRIFTS);
+    assert_true(ldf->drift > 3);
+    assert_non_null(strstr(ldf->text, "drifts"));
+    rk_ldf_free(ldf);
+    double y = 0;
+    for (size_t i = 0; i < REPLICAS * SAMPLES; i++) {
+        y = 0.5 * y + gsl_ran_gaussian_ziggurat(rng, 1);
+        x[i] = y;
+    }
+    gsl_rng_free(rng);
+    ldf = estimate(x, REPLICAS, SAMPLES, 1, &options);
+    assert_int_equal(ldf->warnings & RK_LDF_CORRELATED, RK_LDF_CORRELATED);
+    /* rho_1 = 0.5 with the error sqrt((1 - rho^2)/1600) = 0.0217; five of them. */
+    assert_true(fabs(ldf->lag_one - 0.5) < 5 * 0.0217);
+    assert_non_null(strstr(ldf->text, "correlated"));
+    rk_ldf_free(ldf);
+}
+
+/* Replicas shorter than a window are counted, not used. */
+static void cut_replicas_are_left_out(void **state) {
+    (void)state;
+    enum { REPLICAS = 8, SAMPLES = 40 };
+    double x[REPLICAS * SAMPLES];
+    gsl_rng *rng = rng_of(26);
+    fill_gaussian(x, REPLICAS * SAMPLES, 0, 1, rng);
+    gsl_rng_free(rng);
+    size_t lengths[REPLICAS] = {40, 1, 40, 40, 21, 40, 40, 0};
+    struct rk_series series = series_of(x, REPLICAS, SAMPLES, 1);
+    series.lengths = lengths;
+    struct rk_ldf_options options = standard();
+    options.window = 2;
+    struct rk_stream stream = bootstrap_of(1);
+    struct rk_ldf *ldf;
+    assert_int_equal(rk_ldf_estimate(&ldf, &series, RK_SERIES_RATE, &options, &stream, NULL),
+                     RK_OK);
+    assert_int_equal(ldf->windows, 110);
+    assert_int_equal(ldf->units, 6);
+    assert_int_equal(ldf->left_out, 2);
+    assert_non_null(strstr(ldf->text, "2 shorter"));
+    rk_ldf_free(ldf);
+}
+
+/* Area of an Ornstein-Uhlenbeck process at k = 0.7: 0.245 (tau - 1 + exp(-tau))/tau, so that the
+ * slope between tau = 5 and 10 is .2447 where the limit is .2450 and tau = 10 alone gives .2205. */
+static void slope_removes_the_finite_window(void **state) {
+    (void)state;
+    double k = 0.7, lambda[2];
+    for (int i = 0; i < 2; i++) {
+        double tau = 5 * (i + 1);
+        lambda[i] = k * k * tau * ou_variance(1, 1, tau) / 2;
+    }
+    double slope = rk_ldf_slope(5, lambda[0], 10, lambda[1]);
+    assert_true(fabs(lambda[1] - 0.2205) < 5e-5);
+    assert_true(fabs(slope - 0.2447) < 5e-5);
+    assert_true(fabs(slope - 0.245 * (1 - (exp(-5) - exp(-10)) / 5)) < 1e-15);
+}
+
+/* Coverage of the 95 % intervals of the fields of interest, Gaussian windows of mean 0.5 and
+ * deviation 1: lambda(k) = k/2 + k^2/2 tau, rate (a - 1/2)^2 tau/2, tau = 1. */
+enum { ENSEMBLES = 400, REPLICAS = 16, SAMPLES = 40 };
+
+struct coverage {
+    int lambda, rate, minimum, curvature, at_zero;
+};
+
+static void count(struct coverage *covered, const struct rk_ldf *ldf, size_t i) {
+    double k = ldf->k[i], a = ldf->mean[i];
+    double lambda = k / 2 + k * k / 2, rate = (a - 0.5) * (a - 0.5) / 2;
+    assert_int_equal(ldf->verdict[i], RK_INTERVAL);
+    assert_int_equal(ldf->at_zero_verdict, RK_INTERVAL);
+    covered->lambda += ldf->lambda_low[i] <= lambda && lambda <= ldf->lambda_high[i];
+    covered->rate += ldf->rate_low[i] <= rate && rate <= ldf->rate_high[i];
+    covered->minimum += ldf->minimum.low <= 0.5 && 0.5 <= ldf->minimum.high;
+    covered->curvature += ldf->curvature.low <= 1 && 1 <= ldf->curvature.high;
+    covered->at_zero += ldf->at_zero.low <= 0.125 && 0.125 <= ldf->at_zero.high;
+}
+
+/* 400 ensembles cover 380 times with the binomial deviation 4.36: four are 17.4. The bootstrap's
+ * own error is of second order, O(1/16) of the tails' 5 %; allow 1 % of coverage for it: 359 to 400
+ * below and above cannot both be reached by a useless interval, as the widths are those of theory:
+ * for lambda(1) the deviation is sqrt((e - 1)/640) = 0.0518. */
+static void intervals_cover_gaussian_windows(void **state) {
+    (void)state;
+    double x[REPLICAS * SAMPLES], width = 0;
+    gsl_rng *rng = rng_of(27);
+    struct rk_ldf_options options = standard();
+    options.k_low = -1;
+    options.k_high = 1;
+    options.points = 21;
+    options.bootstrap = 400;
+    struct coverage covered = {0, 0, 0, 0, 0};
+    for (int e = 0; e < ENSEMBLES; e++) {
+        fill_gaussian(x, REPLICAS * SAMPLES, 0.5, 1, rng);
+        struct rk_series series = series_of(x, REPLICAS, SAMPLES, 1);
+        struct rk_stream stream = bootstrap_of((uint64_t)e);
+        struct rk_ldf *ldf;
+        assert_int_equal(rk_ldf_estimate(&ldf, &series, RK_SERIES_RATE, &options, &stream, NULL),
+                         RK_OK);
+        count(&covered, ldf, 20);
+        width += (ldf->lambda_high[20] - ldf->lambda_low[20]) / 2 / ENSEMBLES;
+        rk_ldf_free(ldf);
+    }
+    gsl_rng_free(rng);
+    print_message("covered of 400: lambda %d rate %d minimum %d curvature %d zero %d width %g\n",
+                  covered.lambda, covered.rate, covered.minimum, covered.curvature, covered.at_zero,
+                  width);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(logsumexp_never_overflows),
+        cmocka_unit_test(two_values_give_the_exact_function),
+        cmocka_unit_test(tails_of_the_bootstrap_are_as_wide_as_stated),
+        cmocka_unit_test(legendre_duality_holds),
+        cmocka_unit_test(tilted_mean_is_the_slope),
+        cmocka_unit_test(limit_of_gaussian_windows),
+        cmocka_unit_test(one_outlier_is_not_believed),
+        cmocka_unit_test(magnitude_does_not_matter),
+        cmocka_unit_test(mixed_magnitudes_do_not_overflow),
+        cmocka_unit_test(same_stream_same_bytes),
+        cmocka_unit_test(what_cannot_be_told_is_refused),
+        cmocka_unit_test(warnings_are_given),
+        cmocka_unit_test(cut_replicas_are_left_out),
+        cmocka_unit_test(slope_removes_the_finite_window),
+        cmocka_unit_test(intervals_cover_gaussian_windows),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
