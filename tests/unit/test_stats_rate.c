@@ -123,7 +123,7 @@ static void correlation_time_of_an_autoregression(void **state) {
 
 static void correlation_time_is_refused(void **state) {
     (void)state;
-    double x[64];
+    double x[64] = {0};
     struct rk_series series = series_of(x, 1, 64, 1);
     struct rk_correlation found;
     for (size_t i = 0; i < 64; i++) {
