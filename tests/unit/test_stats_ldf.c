@@ -74,7 +74,7 @@ static void two_values_give_the_exact_function(void **state) {
     }
     /* Hundreds of windows share each extreme value: there is no limit. */
     assert_true(ldf->k_low == -INFINITY && ldf->k_high == INFINITY);
-    assert_true(fabs(ldf->point_low) < 1e-12 && fabs(ldf->point_high - 1) < 1e-12);
+    assert_true(ldf->point_low == 0 && ldf->point_high == 1);
     assert_true(fabs(ldf->minimum.estimate - p) < 1e-12);
     assert_true(fabs(ldf->curvature.estimate - tau * p * (1 - p)) < 1e-12);
     assert_int_equal(ldf->at_zero_verdict, RK_REFUSED); /* 0 is the edge of the support */
@@ -220,6 +220,62 @@ static void one_outlier_is_not_believed(void **state) {
     assert_true(isfinite(ldf->k_high) && ldf->k_low == -INFINITY);
     assert_int_equal(ldf->verdict[ldf->points - 1], RK_REFUSED);
     assert_true(ldf->interval_high > 0.001 && ldf->interval_high < 0.178);
+    rk_ldf_free(ldf);
+}
+
+/* Windows enough, but all of one replica: nine replicas about 0 and one about 1, each of 1000
+ * windows with a deviation of 0.01. The odd one has the share w = e^k/(9 + e^k) of the weight,
+ * which is also the tilted mean, and the units that carry the weight are 1/(w^2 + (1 - w)^2/9) >=
+ * sqrt(10) up to w = 0.541. n_eff is thousands all the while. */
+static void one_replica_does_not_make_an_interval(void **state) {
+    (void)state;
+    enum { R = 10, N = 1000 };
+    static double x[R * N];
+    fill_quantiles(x, R, N);
+    for (size_t i = 0; i < R * N; i++) {
+        x[i] = 0.01 * x[i] + (i < N ? 1 : 0);
+    }
+    struct rk_ldf_options options = standard();
+    options.points = 201;
+    struct rk_ldf *ldf = estimate(x, R, N, 1, &options);
+    size_t i = ldf->points / 2;
+    while (ldf->verdict[i] == RK_INTERVAL) {
+        i++;
+    }
+    assert_int_equal(ldf->verdict[i], RK_POINT);
+    assert_true(ldf->n_eff[i] > 1000);
+    double w = (1 + sqrt(1 - 10 * (1 - 9 / sqrt(10)))) / 10; /* 10 w^2 - 2 w + 1 = 9/sqrt(10) */
+    assert_true(ldf->mean[i - 1] <= w + 0.001 && ldf->mean[i] >= w - 0.001);
+    rk_ldf_free(ldf);
+}
+
+/* Replicas that are all alike make every resample the estimate itself, so that the interval at a =
+ * 0, which lies between points of the grid, shows the error of the interpolation alone. For
+ * exponential windows I(a) = e - 1 - ln e at e = a + 1.3, whose fourth derivative is 6/e^4 = 2.1;
+ * the points lie h = 0.0125 e^2 = 0.021 apart: cubic Hermite errs by less than h^4/384 2.1
+ * = 1.1e-9, ten times which is allowed. The nearest tangents alone would err by up to h^2/8 / e^2 =
+ * 3e-5. */
+static void bands_are_no_artefact_of_the_grid(void **state) {
+    (void)state;
+    enum { R = 6, N = 2000 };
+    static double x[R * N];
+    for (size_t i = 0; i < R * N; i++) {
+        x[i] = -log(1 - ((double)(i % N) + 0.5) / N) - 1.3;
+    }
+    struct rk_ldf_options options = standard();
+    options.k_low = -0.5;
+    options.k_high = 0.5;
+    options.points = 81;
+    struct rk_ldf *ldf = estimate(x, R, N, 1, &options);
+    assert_int_equal(ldf->at_zero_verdict, RK_INTERVAL);
+    assert_true(ldf->at_zero.high - ldf->at_zero.low < 1.1e-8);
+    for (size_t i = 0; i < ldf->points; i++) {
+        assert_true(ldf->mean[i] < -1e-3 || ldf->mean[i] > 1e-3); /* 0 is not on the grid */
+        if (ldf->verdict[i] == RK_INTERVAL) {
+            assert_true(ldf->rate_high[i] - ldf->rate_low[i] < 1e-13);
+            assert_true(ldf->lambda_high[i] - ldf->lambda_low[i] < 1e-13);
+        }
+    }
     rk_ldf_free(ldf);
 }
 
@@ -371,6 +427,12 @@ static void warnings_are_given(void **state) {
     assert_int_equal(ldf->warnings & RK_LDF_DRIFTS, RK_LDF_DRIFTS);
     assert_true(ldf->drift > 3);
     assert_non_null(strstr(ldf->text, "drifts"));
+    rk_ldf_free(ldf);
+    for (size_t i = 0; i < REPLICAS * SAMPLES; i++) {
+        x[i] = gsl_ran_gaussian_ziggurat(rng, 1) - (double)i / (REPLICAS * SAMPLES);
+    }
+    ldf = estimate(x, 1, REPLICAS * SAMPLES, 1, &options);
+    assert_true(ldf->blocks && ldf->drift < -3 && (ldf->warnings & RK_LDF_DRIFTS));
     rk_ldf_free(ldf);
     double y = 0;
     for (size_t i = 0; i < REPLICAS * SAMPLES; i++) {
@@ -590,6 +652,8 @@ int main(void) {
         cmocka_unit_test(tilted_mean_is_the_slope),
         cmocka_unit_test(limit_of_gaussian_windows),
         cmocka_unit_test(one_outlier_is_not_believed),
+        cmocka_unit_test(one_replica_does_not_make_an_interval),
+        cmocka_unit_test(bands_are_no_artefact_of_the_grid),
         cmocka_unit_test(magnitude_does_not_matter),
         cmocka_unit_test(mixed_magnitudes_do_not_overflow),
         cmocka_unit_test(same_stream_same_bytes),
