@@ -192,7 +192,8 @@ enum rk_ldf_warning {
  * are widened for a small number n of units as Student's t is: Phi(t_{alpha/2,n-1} sqrt(n/(n-1)))
  * replaces alpha/2 (Hesterberg, Am. Stat. 69 (2015) 371). The band of the rate is at fixed a: each
  * replicate's own sup_k (k a - lambda_b(k)), by cubic Hermite interpolation of I_b with
- * dI/da = k. */
+ * dI/da = k between the points: a range of k of one's own choice wants points so close that a
+ * changes by less than about half a standard deviation from one to the next. */
 struct rk_ldf {
     size_t points;
     double *k;                        /* [points] ascending, k[points / 2] = 0 */

@@ -469,6 +469,10 @@ static void cut_replicas_are_left_out(void **state) {
     assert_int_equal(ldf->units, 6);
     assert_int_equal(ldf->left_out, 2);
     assert_non_null(strstr(ldf->text, "2 shorter"));
+    /* Whatever the number of windows in a resample, its lambda(0) is 0. */
+    size_t half = ldf->points / 2;
+    assert_int_equal(ldf->verdict[half], RK_INTERVAL);
+    assert_true(ldf->lambda_low[half] == 0 && ldf->lambda_high[half] == 0);
     rk_ldf_free(ldf);
 }
 

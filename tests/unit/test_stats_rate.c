@@ -121,6 +121,29 @@ static void correlation_time_of_an_autoregression(void **state) {
     assert_true(found.window >= 5 * found.time && found.window < 5 * found.time + 0.5);
 }
 
+/* White noise: T = 1/2 of an interval, error T sqrt((4 W + 2)/N) with W = 3. A path long enough to
+ * be averaged in bins (of 3 here) first: T of phi = 0.9 is 9.5, to which binning adds less than
+ * half a bin. */
+static void correlation_time_of_long_series(void **state) {
+    (void)state;
+    enum { SAMPLES = 40000 };
+    static double x[SAMPLES];
+    gsl_rng *rng = rng_of(14);
+    fill_gaussian(x, SAMPLES, 1, 1, rng);
+    struct rk_series series = series_of(x, 4, SAMPLES / 4, 1);
+    struct rk_correlation found;
+    assert_int_equal(rk_correlation_estimate(&found, &series, RK_SERIES_RATE, 0, 0, NULL), RK_OK);
+    assert_true(fabs(found.time - 0.5) < 5 * 0.5 * sqrt(14.0 / SAMPLES));
+    for (size_t i = 1; i < SAMPLES; i++) {
+        x[i] = 0.9 * x[i - 1] + gsl_ran_gaussian_ziggurat(rng, 1);
+    }
+    gsl_rng_free(rng);
+    series = series_of(x, 1, SAMPLES, 1);
+    assert_int_equal(rk_correlation_estimate(&found, &series, RK_SERIES_RATE, 0, 0, NULL), RK_OK);
+    double error = 9.5 * sqrt((20 * 9.5 + 2) / SAMPLES);
+    assert_true(found.time > 9.5 - 5 * error && found.time < 11 + 5 * error);
+}
+
 static void correlation_time_is_refused(void **state) {
     (void)state;
     double x[64] = {0};
@@ -341,6 +364,7 @@ int main(void) {
         cmocka_unit_test(windows_honour_lengths),
         cmocka_unit_test(bad_series_are_refused_in_words),
         cmocka_unit_test(correlation_time_of_an_autoregression),
+        cmocka_unit_test(correlation_time_of_long_series),
         cmocka_unit_test(correlation_time_is_refused),
         cmocka_unit_test(rate_of_replicas_by_hand),
         cmocka_unit_test(a_short_replica_weighs_less),
