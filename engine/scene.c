@@ -249,6 +249,17 @@ enum rk_status rk_scene_restart_clock(struct rk_scene *scene, double dt, struct 
     return RK_OK;
 }
 
+void rk_scene_slow_down(struct rk_scene *scene, double keep) {
+    struct rk_grains *g = &scene->grains;
+    for (size_t i = 0; i < g->count; i++) {
+        g->vx[i] *= keep;
+        g->vy[i] *= keep;
+        if (scene->rotates) {
+            g->omega[i] *= keep;
+        }
+    }
+}
+
 enum rk_status rk_scene_hold(struct rk_scene *scene, uint32_t tag, bool held,
                              struct rk_error *err) {
     size_t i = rk_scene_index(scene, tag);
