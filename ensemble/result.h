@@ -54,11 +54,18 @@ size_t rk_result_rows(const struct rk_result *result);
 /* The columns as CSV: '#' lines say what they are, then one line of names, then the rows. */
 void rk_result_write_csv(const struct rk_result *result, FILE *out);
 
-/* The scalars of many results as CSV, one row each; `labels` gives `leads` leading columns. */
-void rk_result_write_summary(const struct rk_result *results, size_t count,
-                             const struct rk_value *leads, size_t lead_count, FILE *out);
+/* A result of one point, with what was there to make it from. */
+struct rk_outcome {
+    const char *point;
+    size_t used, failed, missing; /* replicas */
+    struct rk_result result;
+};
 
-/* One number as it stands in CSV. */
-void rk_result_write_number(double x, FILE *out);
+/* The scalars of the outcomes as CSV, a row each, after point, used, failed and missing. */
+void rk_outcomes_write_csv(const struct rk_outcome *outcomes, size_t count, FILE *out);
+
+/* Everything, as JSON. */
+struct rk_json;
+void rk_result_write_json(const struct rk_result *result, struct rk_json *json);
 
 #endif
