@@ -1,0 +1,37 @@
+/* What an analysis does: private to ensemble/analysis*.c and its callers in this folder. */
+#ifndef RK_ENSEMBLE_ANALYSIS_PRIVATE_H
+#define RK_ENSEMBLE_ANALYSIS_PRIVATE_H
+
+#include "cases/cases.h"
+#include "ensemble/analysis.h"
+#include "ensemble/result.h"
+
+#include <stdio.h>
+
+struct rk_series;
+
+/* The height of the intruder above the plate in the runs of one point that are done. */
+struct rk_point_data {
+    const char *point;
+    const struct rk_series *series; /* an integral of the velocity, in d */
+    uint64_t samples_per_period;    /* intervals of the series a period */
+    double period;                  /* in the time of the series */
+    struct rk_stream stream;        /* of the bootstrap */
+};
+
+struct rk_picture; /* ensemble/plot.h */
+
+struct rk_analysis_methods {
+    /* Can runs of that schedule be analysed so? RK_EINVALID with err->subject. */
+    enum rk_status (*check)(const void *params, const struct rk_schedule *schedule,
+                            struct rk_error *err);
+    /* Fill `result`. RK_EREFUSED (the data do not support it; the message is for the user). */
+    enum rk_status (*estimate)(const void *params, const struct rk_point_data *data,
+                               struct rk_result *result, struct rk_error *err);
+    /* One line about a result for the closing table: "0.0123 [0.0101, 0.0145] d/period". */
+    void (*headline)(const struct rk_result *result, FILE *out);
+    /* Write the gnuplot commands of its picture after the terminal's. */
+    void (*picture)(const struct rk_picture *picture, FILE *out);
+};
+
+#endif

@@ -1,0 +1,156 @@
+#include "stats/numeric.h"
+
+#include <gsl/gsl_cdf.h>
+#include <gsl/gsl_roots.h>
+#include <math.h>
+#include <stdlib.h>
+
+double rk_logsumexp(const double *x, size_t count) {
+    double top = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        if (isnan(x[i])) {
+            return NAN;
+        }
+        top = fmax(top, x[i]);
+    }
+    if (isinf(top)) {
+        return top; /* nothing, only zeros, or an infinite term: shifting would give NaN */
+    }
+    double sum = 0;
+    for (size_t i = 0; i < count; i++) {
+        sum += exp(x[i] - top);
+    }
+    return top + log(sum);
+}
+
+/* Neumaier's sum of x / divisor. */
+static double compensated(const double *x, size_t count, double divisor) {
+    double sum = 0, lost = 0;
+    for (size_t i = 0; i < count; i++) {
+        double term = x[i] / divisor;
+        double next = sum + term;
+        lost += fabs(sum) >= fabs(term) ? (sum - next) + term : (term - next) + sum;
+        sum = next;
+    }
+    return sum + lost;
+}
+
+double rk_mean(const double *x, size_t count) {
+    double mean = compensated(x, count, 1) / (double)count;
+    /* Only a sum that overflows is done again with each term divided: that costs digits of the
+     * smallest numbers, which play no part in such a sum. */
+    return isfinite(mean) ? mean : compensated(x, count, (double)count);
+}
+
+static int ascending(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+void rk_sort(double *x, size_t count) {
+    qsort(x, count, sizeof *x, ascending);
+}
+
+double rk_quantile(const double *sorted, size_t count, double p) {
+    double h = (double)(count - 1) * p;
+    size_t i = (size_t)h;
+    if (i + 1 >= count) {
+        return sorted[count - 1];
+    }
+    double t = h - (double)i;
+    /* Not a + t (b - a): b - a may overflow, and equal neighbours must give themselves. */
+    return sorted[i] == sorted[i + 1] ? sorted[i] : (1 - t) * sorted[i] + t * sorted[i + 1];
+}
+
+double rk_student_quantile(double p, double nu) {
+    /* Bisection on the distribution function: GSL's own inverse reports a failure to converge
+     * through the global error handler, which is not ours to provoke. */
+    if (p < 0.5) {
+        return -rk_student_quantile(1 - p, nu);
+    }
+    double low = 0, high = 2;
+    while (gsl_cdf_tdist_P(high, nu) < p && high < 1e12) {
+        low = high;
+        high *= 2;
+    }
+    for (int i = 0; i < 200 && low < high; i++) {
+        double middle = 0.5 * (low + high);
+        if (middle <= low || middle >= high) {
+            break;
+        }
+        if (gsl_cdf_tdist_P(middle, nu) < p) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return 0.5 * (low + high);
+}
+
+double rk_root(double (*f)(double x, void *context), void *context, double low, double high) {
+    double f_low = f(low, context), f_high = f(high, context);
+    if (f_low == 0) {
+        return low;
+    }
+    if (f_high == 0) {
+        return high;
+    }
+    /* GSL raises its handler for these: they must not reach it. */
+    if (!isfinite(f_low) || !isfinite(f_high) || (f_low < 0) == (f_high < 0) || !(low < high)) {
+        return NAN;
+    }
+    gsl_function function = {.function = f, .params = context};
+    /* Assembled here because gsl_root_fsolver_alloc raises the handler when memory is short. */
+    double state[64];
+    if (gsl_root_fsolver_brent->size > sizeof state) {
+        return NAN;
+    }
+    gsl_root_fsolver solver = {
+        .type = gsl_root_fsolver_brent, .function = &function, .state = state};
+    if (gsl_root_fsolver_set(&solver, &function, low, high) != 0) {
+        return NAN;
+    }
+    for (int i = 0; i < 200; i++) {
+        if (gsl_root_fsolver_iterate(&solver) != 0) {
+            break;
+        }
+        double width = fabs(solver.x_upper - solver.x_lower);
+        if (width <= 4e-16 * fabs(solver.root) || f(solver.root, context) == 0) {
+            break;
+        }
+    }
+    return solver.root;
+}
+
+struct rk_interval rk_weighted_interval(const double *values, const double *weights, size_t count,
+                                        double level, double *deviation) {
+    double scale = 0, total = 0, squares = 0;
+    for (size_t i = 0; i < count; i++) {
+        scale = fmax(scale, fabs(values[i]));
+        total += weights[i];
+    }
+    scale = scale > 0 ? scale : 1;
+    /* About the first value, so that equal values give exactly that value. */
+    double origin = values[0] / scale, shift = 0;
+    for (size_t i = 0; i < count; i++) {
+        double w = weights[i] / total;
+        shift += w * (values[i] / scale - origin);
+        squares += w * w;
+    }
+    double n = 1 / squares, spread = 0, variance = 0;
+    for (size_t i = 0; i < count; i++) {
+        double w = weights[i] / total, d = values[i] / scale - origin - shift;
+        spread += w * d * d;
+        variance += w * w * d * d;
+    }
+    double correction = n / (n - 1);
+    double t = rk_student_quantile(0.5 + 0.5 * level, n - 1);
+    double half = scale * (t * sqrt(variance * correction));
+    double estimate = shift == 0 ? values[0] : scale * (origin + shift);
+    *deviation = scale * sqrt(spread * correction);
+    return (struct rk_interval){.estimate = estimate,
+                                .low = estimate - half,
+                                .high = estimate + half,
+                                .n_eff = n,
+                                .level = level};
+}

@@ -1,0 +1,65 @@
+/* Exponentially weighted ("tilted") moments of a sample, in standard units. Private.
+ *
+ * The windows are held as z_j = (A_j - centre)/scale with centre their mean and scale their
+ * standard deviation, and the tilt as theta = k tau scale, so that everything below is a number of
+ * moderate size whatever the units of the data:
+ *     F(theta) = ln( (1/L) sum_j exp(theta z_j) ),  lambda(k) = k centre + F/tau,
+ *     Z(theta) = F'(theta),                         mean(k)   = centre + scale Z,
+ *     J(theta) = theta Z - F,                       rate(k)   = J/tau.
+ * Sums are taken about the extreme of the side: with theta >= 0, of exp(theta (z_j - max z)), whose
+ * terms lie in (0, 1] and one of which is 1.
+ *
+ * A sample is divided into units (replicas or blocks): unit u is z[first[u] .. first[u + 1]).
+ */
+#ifndef RK_STATS_TILT_H
+#define RK_STATS_TILT_H
+
+#include "stats/stats.h"
+
+struct rk_tilt {
+    double *z;
+    const size_t *first; /* [units + 1] */
+    size_t count;        /* L */
+    size_t units;
+    double centre, scale; /* scale 0: all values equal */
+    double low, high;     /* the extremes of z */
+    size_t low_ties, high_ties;
+};
+
+/* Sums over one unit at one theta, e = exp(theta (z - extreme)), d = z - extreme. */
+struct rk_tilt_sums {
+    double s0; /* sum e */
+    double s1; /* sum e d */
+    double s2; /* sum e d^2 */
+    double q;  /* sum e^2 */
+};
+
+struct rk_tilt_point {
+    double f, z, j;    /* F, Z, J */
+    double variance;   /* F'' */
+    double n_eff;      /* windows that carry the weight */
+    double unit_n_eff; /* units that carry the weight */
+};
+
+/* Standardise `values`; z is allocated, to be freed by rk_tilt_clear. `first` is kept, not owned.
+ */
+enum rk_status rk_tilt_init(struct rk_tilt *tilt, const double *values, const size_t *first,
+                            size_t units, struct rk_error *err);
+void rk_tilt_clear(struct rk_tilt *tilt);
+
+/* The extreme that sums at theta are taken about. */
+double rk_tilt_extreme(const struct rk_tilt *tilt, double theta);
+
+struct rk_tilt_sums rk_tilt_unit_sums(const struct rk_tilt *tilt, size_t unit, double theta);
+
+/* The point at theta; `sums`, if not NULL, gets the units' sums [units]. */
+struct rk_tilt_point rk_tilt_at(const struct rk_tilt *tilt, double theta,
+                                struct rk_tilt_sums *sums);
+
+/* theta >= 0 (`up`) or <= 0 where J reaches `target` > 0; infinite when it never does. */
+double rk_tilt_where(const struct rk_tilt *tilt, double target, bool up);
+
+/* theta between 0 and `limit` where Z = z; NaN when it is not reached there. */
+double rk_tilt_of_mean(const struct rk_tilt *tilt, double z, double limit);
+
+#endif
