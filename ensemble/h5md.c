@@ -32,7 +32,7 @@ struct element {
 /* A file in the making. */
 struct writer {
     struct rk_h5 h5;
-    const struct rk_outcome *outcome;
+    const struct rk_record *outcome;
     size_t grains, columns, elements;
     size_t rows, frames; /* in all */
 
@@ -68,7 +68,7 @@ static void write_h5md_group(struct writer *w) {
 }
 
 static void write_provenance(struct writer *w) {
-    const struct rk_outcome *o = w->outcome;
+    const struct rk_record *o = w->outcome;
     const struct rk_point *point = &o->plan->study->points[o->run->point];
     struct rk_h5 *h5 = &w->h5;
     hid_t group = rk_h5_group(h5, h5->file, "provenance");
@@ -348,7 +348,7 @@ static void free_writer(struct writer *w) {
     free(w->column_set);
 }
 
-enum rk_status rk_h5md_write(const char *path, const struct rk_outcome *outcome,
+enum rk_status rk_h5md_write(const char *path, const struct rk_record *outcome,
                              struct rk_spool *spool, struct rk_error *err) {
     struct writer writer = {.outcome = outcome};
     struct rk_h5_guard guard = rk_h5_enter();

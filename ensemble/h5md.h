@@ -26,7 +26,7 @@
 
 #include "ensemble/spool.h"
 
-struct rk_outcome {
+struct rk_record {
     const struct rk_plan *plan;
     const struct rk_run *run;
     struct rk_schedule schedule;
@@ -38,7 +38,7 @@ struct rk_outcome {
 
 /* Write the file of a run at `path` and seal it (seal.h); not synced yet. `spool` may be NULL when
  * there is no scene. RK_EIO; RK_EFORMAT: the spool is damaged; RK_EMEMORY. */
-enum rk_status rk_h5md_write(const char *path, const struct rk_outcome *outcome,
+enum rk_status rk_h5md_write(const char *path, const struct rk_record *outcome,
                              struct rk_spool *spool, struct rk_error *err);
 
 #endif

@@ -302,7 +302,7 @@ static enum rk_status carry_on(struct work *w, struct rk_error *err) {
 
 static enum rk_status publish(struct work *w, const struct rk_error *failure,
                               struct rk_error *err) {
-    struct rk_outcome outcome = {.plan = w->plan,
+    struct rk_record outcome = {.plan = w->plan,
                                  .run = w->run,
                                  .schedule = w->schedule,
                                  .scene = w->scene,
