@@ -21,8 +21,8 @@ struct rk_run_spec {
     uint64_t samples; /* observables: samples a period */
     uint64_t frames;  /* grains: a frame every so many periods, 0 for the first and last only */
 };
-extern const struct rk_param rk_run_params[];
-extern const size_t rk_run_param_count;
+enum { RK_RUN_PARAMS = 3 };
+extern const struct rk_param rk_run_params[RK_RUN_PARAMS];
 
 /* The same, in steps. A period is a whole number of samples, a sample a whole number of steps. */
 struct rk_schedule {
@@ -71,9 +71,8 @@ struct rk_case {
     /* The same scene without grains, for rk_scene_unpack. */
     enum rk_status (*empty)(const void *params, struct rk_scene **scene, struct rk_error *err);
 
-    /* The probes it is watched with. */
-    const struct rk_probe *const *probes;
-    size_t probe_count;
+    /* The probes it is watched with: entries are struct rk_probe. */
+    const struct rk_registry *probes;
 };
 
 #endif

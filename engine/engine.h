@@ -32,9 +32,9 @@ extern const struct rk_registry rk_law_registry;       /* linear */
 extern const struct rk_registry rk_friction_registry;  /* none, cundall-strack */
 extern const struct rk_registry rk_tension_registry;   /* cut, keep */
 extern const struct rk_registry rk_drive_registry;     /* rest, sinusoid */
-extern const struct rk_registry rk_neighbour_registry; /* cells, all-pairs */
+extern const struct rk_registry rk_neighbour_registry; /* cells, verlet, all-pairs */
 extern const struct rk_registry rk_kernel_registry;    /* portable, avx2, avx512 */
-extern const struct rk_registry rk_probe_registry;     /* intruder, energy, plate */
+extern const struct rk_registry rk_probe_registry;     /* intruder, plate, bed, energy */
 
 /* ---- What a scene is made of ------------------------------------------------------------- */
 
@@ -48,17 +48,17 @@ struct rk_contact_spec {
     double mu;                       /* coefficient of friction */
     double damping;                  /* gamma / (2 sqrt(kn m_min)), m_min the smallest mass */
 };
-extern const struct rk_param rk_contact_params[];
-extern const size_t rk_contact_param_count;
+enum { RK_CONTACT_PARAMS = 7 };
+extern const struct rk_param rk_contact_params[RK_CONTACT_PARAMS];
 
 /* The time step and how neighbours are found: what it costs and how exact it is. */
 struct rk_accuracy_spec {
-    double step;                      /* dt / sqrt(m_min/kn), at most; "zeta_t" of Martins 2021 */
+    double step; /* dt / sqrt(m/kn), at most, m of a mean grain; "zeta_t" of Martins 2021 */
     const struct rk_piece *neighbour; /* out of rk_neighbour_registry */
     double skin;                      /* extra reach of the neighbour list [d] */
 };
-extern const struct rk_param rk_accuracy_params[];
-extern const size_t rk_accuracy_param_count;
+enum { RK_ACCURACY_PARAMS = 3 };
+extern const struct rk_param rk_accuracy_params[RK_ACCURACY_PARAMS];
 
 /* When a run counts as nonsense. */
 struct rk_health_spec {
@@ -66,14 +66,13 @@ struct rk_health_spec {
     double travel;  /* largest move in one step, as a share of the grain's radius */
     uint64_t every; /* steps between two checks */
 };
-extern const struct rk_param rk_health_params[];
-extern const size_t rk_health_param_count;
+enum { RK_HEALTH_PARAMS = 3 };
+extern const struct rk_param rk_health_params[RK_HEALTH_PARAMS];
 
 struct rk_scene_spec {
     size_t grains;     /* how many there will be at most, 0 to RK_GRAINS_MAX */
     size_t walls;      /* likewise, 0 to RK_WALLS_MAX */
     double period_x;   /* width of the periodic box [0, period_x), 0 for an open one */
-    double floor_y;    /* a grain whose centre falls below is "outside the box" */
     double gravity[2]; /* acceleration */
     double dt;         /* time step */
     double gamma;      /* normal damping constant, see rk_contact_gamma */
@@ -119,6 +118,7 @@ double rk_contact_gamma(const struct rk_contact_spec *contact, double smallest);
 /* The largest time step for which velocity Verlet with the dashpot at the predicted velocity is
  * stable for a grain of mass `smallest` in a triangular packing (w^2 = 6 kn/m, damping likewise;
  * physics of section "Integrators" in the README). */
+double rk_verlet_limit(double zeta); /* largest stable w0 dt of one contact of that damping */
 double rk_stable_step(double kn, double gamma, double smallest);
 
 /* ---- Life of a scene --------------------------------------------------------------------- */
@@ -219,10 +219,11 @@ enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t
 /* ---- Measuring --------------------------------------------------------------------------- */
 
 enum rk_phase {
-    RK_PHASE_MOVE,
-    RK_PHASE_NEIGHBOURS,
-    RK_PHASE_PAIRS,
-    RK_PHASE_SUM,
+    RK_PHASE_MOVE,       /* predict and correct */
+    RK_PHASE_NEIGHBOURS, /* renewing the list */
+    RK_PHASE_TOUCH,      /* which pairs touch */
+    RK_PHASE_PUSH,       /* their forces */
+    RK_PHASE_SUM,        /* forces to grains */
     RK_PHASE_WALLS,
     RK_PHASE_COUNT
 };

@@ -1,0 +1,183 @@
+#include "cases/bed.h"
+
+#include <math.h>
+
+#define AT(member) offsetof(struct rk_grains_spec, member)
+const struct rk_param rk_grains_params[RK_GRAINS_PARAMS] = {
+    {.name = "count",
+     .type = RK_PARAM_COUNT,
+     .offset = AT(count),
+     .unit = "",
+     .value = 2500,
+     .low = 1,
+     .high = 1e8,
+     .doc = "number of grains, without the intruder"},
+    {.name = "spread",
+     .type = RK_PARAM_REAL,
+     .offset = AT(spread),
+     .unit = "",
+     .value = 0.025,
+     .low = 0,
+     .high = 0.5,
+     .doc = "diameters are uniform in d (1 +- spread)"},
+};
+#undef AT
+
+#define AT(member) offsetof(struct rk_settle_spec, member)
+const struct rk_param rk_settle_params[RK_SETTLE_PARAMS] = {
+    {.name = "step",
+     .type = RK_PARAM_REAL,
+     .offset = AT(step),
+     .unit = "sqrt(m/kn)",
+     .value = 0.05,
+     .low = 0,
+     .above_low = true,
+     .high = 2,
+     .doc = "time step while settling"},
+    {.name = "time",
+     .type = RK_PARAM_REAL,
+     .offset = AT(time),
+     .unit = "sqrt(d/g)",
+     .value = 400,
+     .low = 0,
+     .above_low = true,
+     .high = 1e9,
+     .doc = "longest time a bed may take to settle"},
+    {.name = "kinetic",
+     .type = RK_PARAM_REAL,
+     .offset = AT(kinetic),
+     .unit = "m g d",
+     .value = 1e-7,
+     .low = 0,
+     .above_low = true,
+     .high = 1,
+     .doc = "mean kinetic energy of a grain that counts as rest"},
+};
+#undef AT
+
+double rk_grains_smallest_mass(const struct rk_grains_spec *grains) {
+    double radius = 0.5 * (1 - grains->spread);
+    return radius * radius;
+}
+
+/* The lattice: columns of a spacing that leaves every grain room to be displaced at random. */
+struct lattice {
+    double x0, y0, dx, dy, jitter;
+    uint64_t columns;
+};
+
+static struct lattice lay_lattice(const struct rk_grains_spec *grains, double width,
+                                  bool periodic) {
+    const double spacing = 1.12 + grains->spread, largest = 0.5 * (1 + grains->spread);
+    double room = periodic ? width : width - 2 * largest;
+    double columns = floor(periodic ? room / spacing : room / spacing + 1);
+    columns = columns < 1 ? 1 : columns;
+    double dx = columns > 1 || periodic ? room / (periodic ? columns : columns - 1) : room;
+    return (struct lattice){
+        .x0 = periodic ? 0.5 * dx : (columns > 1 ? largest : 0.5 * width),
+        .y0 = largest,
+        .dx = dx,
+        .dy = spacing,
+        .jitter = 0.5 * (spacing - 2 * largest),
+        .columns = (uint64_t)columns,
+    };
+}
+
+static bool clear_of(const struct rk_grain *others, size_t count, double x, double y, double reach,
+                     double width, bool periodic) {
+    for (size_t k = 0; k < count; k++) {
+        double dx = x - others[k].x, dy = y - others[k].y;
+        if (periodic) {
+            dx -= width * floor(dx / width + 0.5);
+        }
+        double least = others[k].radius + reach;
+        if (dx * dx + dy * dy < least * least) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Uniform in (-1, 1). */
+static double both_ways(struct rk_stream *stream) {
+    return 2 * rk_stream_uniform(stream) - 1;
+}
+
+enum { OBSTACLES = 16 };
+
+enum rk_status rk_bed_fill(struct rk_scene *scene, const struct rk_grains_spec *grains,
+                           double width, bool periodic, struct rk_stream *stream,
+                           struct rk_error *err) {
+    struct rk_grain others[OBSTACLES];
+    size_t present = rk_scene_grains(scene);
+    if (present > OBSTACLES) {
+        return rk_fail(err, RK_EINVALID, "a bed is filled around at most %d grains, not %zu",
+                       OBSTACLES, present);
+    }
+    for (size_t k = 0; k < present; k++) {
+        rk_scene_grain(scene, (uint32_t)k, &others[k], NULL);
+    }
+    struct lattice lattice = lay_lattice(grains, width, periodic);
+    double reach = 0.5 * (1 + grains->spread) + 2 * lattice.jitter;
+    uint64_t placed = 0;
+    for (uint64_t site = 0; placed < grains->count; site++) {
+        double x = lattice.x0 + (double)(site % lattice.columns) * lattice.dx;
+        double y = lattice.y0 + (double)(site / lattice.columns) * lattice.dy;
+        if (!clear_of(others, present, x, y, reach, width, periodic)) {
+            continue;
+        }
+        double radius = 0.5 * (1 + grains->spread * both_ways(stream));
+        double shift_x = lattice.jitter * both_ways(stream);
+        /* At a wall only the room that the grain's own size leaves. */
+        bool at_wall = !periodic && (site % lattice.columns == 0 ||
+                                     site % lattice.columns == lattice.columns - 1);
+        struct rk_grain grain = {
+            .x = at_wall ? x : x + shift_x,
+            .y = y + lattice.jitter * (1 + both_ways(stream)),
+            .vx = both_ways(stream),
+            .vy = both_ways(stream),
+            .radius = radius,
+            .mass = radius * radius,
+        };
+        enum rk_status status = rk_scene_add_grain(scene, &grain, err);
+        if (status) {
+            return status;
+        }
+        placed++;
+    }
+    return RK_OK;
+}
+
+static double mean_kinetic(const struct rk_scene *scene) {
+    struct rk_energy energy = rk_scene_energy(scene);
+    size_t grains = rk_scene_grains(scene);
+    return grains ? (energy.kinetic + energy.rotational) / (double)grains : 0;
+}
+
+enum rk_status rk_bed_settle(struct rk_scene *scene, const struct rk_settle_spec *settle,
+                             const struct rk_cancel *cancel, struct rk_preparation *report,
+                             struct rk_error *err) {
+    enum { STRIDE = 200 };
+    double dt = rk_scene_spec(scene)->dt;
+    uint64_t most = (uint64_t)ceil(settle->time / dt);
+    while (rk_scene_steps(scene) < most) {
+        if (cancel && cancel->asked(cancel->context)) {
+            return rk_fail(err, RK_EINTERRUPTED, "stopped while the bed was settling");
+        }
+        enum rk_status status = rk_scene_step(scene, STRIDE, err);
+        if (status) {
+            return status;
+        }
+        report->steps = rk_scene_steps(scene);
+        report->time = rk_scene_time(scene);
+        report->kinetic = mean_kinetic(scene);
+        /* A bed that has not begun to fall is slow too: give it one time unit. */
+        if (report->time > 1 && report->kinetic < settle->kinetic) {
+            return RK_OK;
+        }
+    }
+    return rk_fail_about(err, RK_EUNSTABLE, "settle.time",
+                         "the bed did not come to rest: after t = %g the mean kinetic energy of a "
+                         "grain is %.3g, asked for is %.3g; raise settle.time or settle.kinetic",
+                         report->time, report->kinetic, settle->kinetic);
+}

@@ -1,0 +1,49 @@
+/* The hot loops of a step, once per vector width.
+ *
+ * Velocity Verlet in predictor-corrector form (Martins 2021, eq. 11):
+ *     predict   r <- r + v dt + a dt^2/2,  v <- v + a dt
+ *     force     a' from r and the predicted v: one evaluation a step
+ *     correct   v <- v + (a' - a) dt/2,  a <- a'
+ *
+ * engine/kernel_body.h holds the loops; kernel_portable.c, kernel_avx2.c and kernel_avx512.c
+ * compile it for three instruction sets. Every loop does the same IEEE operations in the same
+ * order in each of them (no contraction, no reordered sum), so all give the same bytes.
+ */
+#ifndef RK_ENGINE_KERNEL_H
+#define RK_ENGINE_KERNEL_H
+
+#include "engine/contact.h"
+#include "engine/scene.h"
+
+struct rk_kernel {
+    struct rk_piece piece;
+    bool (*usable)(void); /* on this processor */
+
+    /* Predict all grains; `moved` gets the bounds of r - r0. */
+    void (*predict)(struct rk_grains *grains, const struct rk_neighbours *neighbours, double dt,
+                    struct rk_bounds *moved);
+
+    /* Which pairs touch. The tangential forces of the pairs move to the touching ones. */
+    void (*touch)(const struct rk_grains *grains, struct rk_pairs *pairs,
+                  struct rk_touching *touching);
+
+    /* Forces of the touching pairs, without and with friction. */
+    void (*push)(const struct rk_grains *grains, const struct rk_contact_law *law,
+                 struct rk_touching *touching);
+    void (*push_and_rub)(const struct rk_grains *grains, const struct rk_contact_law *law,
+                         struct rk_pairs *pairs, struct rk_touching *touching);
+
+    /* grains->force: weights, then the forces of the touching pairs in their order. */
+    void (*sum)(struct rk_grains *grains, const struct rk_touching *touching,
+                const double gravity[2]);
+
+    /* Correct all grains with grains->force. */
+    void (*correct)(struct rk_grains *grains, double dt);
+};
+
+extern const struct rk_kernel rk_kernel_portable, rk_kernel_avx2, rk_kernel_avx512;
+
+/* The kernel asked for, or the widest usable one for NULL; NULL if it cannot run here. */
+const struct rk_kernel *rk_kernel_choose(const struct rk_piece *piece);
+
+#endif

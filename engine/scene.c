@@ -1,0 +1,575 @@
+#include "engine/scene.h"
+
+#include "base/memory.h"
+#include "engine/contact.h"
+#include "engine/drives.h"
+#include "engine/fields.h"
+#include "engine/health.h"
+#include "engine/kernel.h"
+#include "engine/neighbours.h"
+#include "engine/order.h"
+#include "engine/walls.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define AT(member) offsetof(struct rk_accuracy_spec, member)
+const struct rk_param rk_accuracy_params[RK_ACCURACY_PARAMS] = {
+    {.name = "step",
+     .type = RK_PARAM_REAL,
+     .offset = AT(step),
+     .unit = "sqrt(m/kn)",
+     .value = 0.01,
+     .low = 0,
+     .above_low = true,
+     .high = 2,
+     .doc = "time step, at most, m the mass of a mean grain: 0.01 is Martins 2021 for shaking"},
+    {.name = "neighbours",
+     .type = RK_PARAM_PIECE,
+     .offset = AT(neighbour),
+     .unit = "",
+     .choice = "cells",
+     .choices = &rk_neighbour_registry,
+     .doc = "how near pairs are found"},
+    {.name = "skin",
+     .type = RK_PARAM_REAL,
+     .offset = AT(skin),
+     .unit = "d",
+     .value = 0.1,
+     .low = 0,
+     .above_low = true,
+     .high = 10,
+     .doc = "extra reach of the neighbour list"},
+};
+#undef AT
+
+/* ---- Creation ---------------------------------------------------------------------------------
+ */
+
+static enum rk_status check_spec(const struct rk_scene_spec *spec, struct rk_error *err) {
+    if (spec->grains > RK_GRAINS_MAX) {
+        return rk_fail(err, RK_EINVALID, "%zu grains are too many, at most %zu", spec->grains,
+                       RK_GRAINS_MAX);
+    }
+    if (spec->walls > RK_WALLS_MAX) {
+        return rk_fail(err, RK_EINVALID, "%zu walls are too many, at most %zu", spec->walls,
+                       RK_WALLS_MAX);
+    }
+    if (!(spec->dt > 0) || !isfinite(spec->dt)) {
+        return rk_fail(err, RK_EINVALID, "the time step must be above 0, it is %g", spec->dt);
+    }
+    if (!(spec->smallest > 0) || !(spec->gamma >= 0) || !(spec->contact.kn > 0) ||
+        !(spec->accuracy.skin > 0) || !(spec->period_x >= 0) || !isfinite(spec->period_x) ||
+        !isfinite(spec->gravity[0]) || !isfinite(spec->gravity[1]) || spec->health.every == 0) {
+        return rk_fail(err, RK_EINVALID,
+                       "a scene needs a smallest mass, stiffness and skin above 0, damping and "
+                       "period not below 0, finite gravity and a health check now and then");
+    }
+    return RK_OK;
+}
+
+static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
+    struct rk_neighbours *near = &scene->neighbours;
+    size_t n = scene->spec.grains;
+    scene->grains.capacity = n;
+    enum rk_status status = rk_fields_resize(scene, &rk_grain_fields, n, err);
+    scene->grains.force = rk_array_create(n, RK_FORCE_WIDTH * sizeof(double));
+    near->x0 = rk_array_create(n, sizeof(double));
+    near->y0 = rk_array_create(n, sizeof(double));
+    near->cell_of = rk_array_create(n, sizeof(uint32_t));
+    near->in_cell = rk_array_create(n, sizeof(uint32_t));
+    near->row_start = rk_array_create(n + 2, sizeof(uint32_t));
+    scene->walls = rk_array_create(scene->spec.walls, sizeof *scene->walls);
+    if (status == RK_OK && (!scene->grains.force || !near->x0 || !near->y0 || !near->cell_of ||
+                            !near->in_cell || !near->row_start || !scene->walls)) {
+        status = rk_fail(err, RK_EMEMORY, "no memory for a scene of %zu grains", n);
+    }
+    return status;
+}
+
+enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene **scene,
+                               struct rk_error *err) {
+    *scene = NULL;
+    enum rk_status status = check_spec(spec, err);
+    if (status) {
+        return status;
+    }
+    const struct rk_kernel *kernel = rk_kernel_choose(spec->kernel);
+    if (!kernel) {
+        return rk_fail(err, RK_EINVALID, "this processor cannot run the %s kernel",
+                       spec->kernel->name);
+    }
+    struct rk_scene *new = calloc(1, sizeof *new);
+    if (!new) {
+        return rk_fail(err, RK_EMEMORY, "no memory for a scene");
+    }
+    new->spec = *spec;
+    new->spec.kernel = &kernel->piece;
+    new->kernel = kernel;
+    if (!new->spec.contact.law) {
+        new->spec.contact.law = &rk_law_linear;
+    }
+    if (!new->spec.contact.friction) {
+        new->spec.contact.friction = &rk_friction_none;
+    }
+    if (!new->spec.contact.tension) {
+        new->spec.contact.tension = &rk_tension_cut;
+    }
+    if (!new->spec.accuracy.neighbour) {
+        new->spec.accuracy.neighbour = rk_neighbour_default;
+    }
+    new->rotates = new->spec.contact.friction != &rk_friction_none;
+    status = allocate(new, err);
+    if (status) {
+        rk_scene_free(new);
+        return status;
+    }
+    *scene = new;
+    return RK_OK;
+}
+
+void rk_scene_free(struct rk_scene *scene) {
+    if (!scene) {
+        return;
+    }
+    rk_neighbours_free(scene);
+    rk_walls_free(scene);
+    rk_fields_free(scene, &rk_grain_fields);
+    rk_fields_free(scene, &rk_contact_fields);
+    rk_fields_free(scene, &rk_wall_contact_fields);
+    free(scene->grains.force);
+    free(scene->index_of);
+    free(scene);
+}
+
+/* ---- Grains and walls ---------------------------------------------------------------------------
+ */
+
+static enum rk_status check_grain(const struct rk_scene *scene, const struct rk_grain *grain,
+                                  struct rk_error *err) {
+    const struct rk_grains *g = &scene->grains;
+    if (g->count == g->capacity) {
+        return rk_fail(err, RK_EINVALID, "the scene was made for %zu grains and is full",
+                       g->capacity);
+    }
+    double sum = grain->x + grain->y + grain->vx + grain->vy + grain->angle + grain->omega;
+    if (!isfinite(sum)) {
+        return rk_fail(err, RK_EINVALID, "grain %zu has a position or velocity that is no number",
+                       g->count);
+    }
+    if (!(grain->radius > 0) || !isfinite(grain->radius) || !(grain->mass > 0) ||
+        !isfinite(grain->mass)) {
+        return rk_fail(err, RK_EINVALID,
+                       "grain %zu has radius %g and mass %g; both must be above 0 and finite",
+                       g->count, grain->radius, grain->mass);
+    }
+    if (grain->mass < scene->spec.smallest * (1 - 1e-12)) {
+        return rk_fail(err, RK_EINVALID,
+                       "grain %zu has mass %g, below the smallest mass %g that the damping and the "
+                       "time step were chosen for",
+                       g->count, grain->mass, scene->spec.smallest);
+    }
+    return RK_OK;
+}
+
+enum rk_status rk_scene_add_grain(struct rk_scene *scene, const struct rk_grain *grain,
+                                  struct rk_error *err) {
+    enum rk_status status = check_grain(scene, grain, err);
+    if (status) {
+        return status;
+    }
+    struct rk_grains *g = &scene->grains;
+    size_t i = g->count++;
+    g->x[i] = grain->x;
+    g->y[i] = grain->y;
+    g->vx[i] = grain->held ? 0 : grain->vx;
+    g->vy[i] = grain->held ? 0 : grain->vy;
+    g->ax[i] = g->ay[i] = 0;
+    g->radius[i] = grain->radius;
+    g->mass[i] = grain->mass;
+    g->inverse_mass[i] = grain->held ? 0 : 1 / grain->mass;
+    g->tag[i] = (uint32_t)i;
+    if (scene->rotates) {
+        g->angle[i] = grain->angle;
+        g->omega[i] = grain->held ? 0 : grain->omega;
+        g->alpha[i] = 0;
+        g->inverse_inertia[i] = grain->held ? 0 : 2 / (grain->mass * grain->radius * grain->radius);
+    }
+    scene->ready = false;
+    scene->primed = 0;
+    return RK_OK;
+}
+
+static enum rk_status check_drive(const struct rk_drive_spec *drive, struct rk_error *err) {
+    const char *fault = rk_drive_of(drive)->fault(drive);
+    return fault ? rk_fail(err, RK_EINVALID, "%s", fault) : RK_OK;
+}
+
+enum rk_status rk_scene_add_wall(struct rk_scene *scene, const struct rk_wall_spec *wall,
+                                 struct rk_error *err) {
+    if (scene->wall_count == scene->spec.walls) {
+        return rk_fail(err, RK_EINVALID, "the scene was made for %zu walls and is full",
+                       scene->spec.walls);
+    }
+    double length = hypot(wall->normal[0], wall->normal[1]);
+    if (!(fabs(length - 1) < 1e-9) || !isfinite(wall->point[0]) || !isfinite(wall->point[1])) {
+        return rk_fail(err, RK_EINVALID,
+                       "a wall needs a finite point and a normal of length 1, not %g", length);
+    }
+    enum rk_status status = check_drive(&wall->drive, err);
+    if (status == RK_OK) {
+        scene->walls[scene->wall_count++] = (struct rk_wall){.spec = *wall};
+        rk_walls_move(scene, rk_scene_time(scene));
+    }
+    return status;
+}
+
+enum rk_status rk_scene_set_drive(struct rk_scene *scene, size_t wall,
+                                  const struct rk_drive_spec *drive, struct rk_error *err) {
+    if (wall >= scene->wall_count) {
+        return rk_fail(err, RK_EINVALID, "there is no wall %zu, the scene has %zu", wall,
+                       scene->wall_count);
+    }
+    enum rk_status status = check_drive(drive, err);
+    if (status == RK_OK) {
+        scene->walls[wall].spec.drive = *drive;
+        scene->primed = 0;
+        rk_walls_move(scene, rk_scene_time(scene));
+    }
+    return status;
+}
+
+enum rk_status rk_scene_restart_clock(struct rk_scene *scene, double dt, struct rk_error *err) {
+    if (!(dt > 0) || !isfinite(dt)) {
+        return rk_fail(err, RK_EINVALID, "the time step must be above 0, it is %g", dt);
+    }
+    scene->spec.dt = dt;
+    scene->steps = 0;
+    scene->primed = 0; /* the walls jump: accelerations are of another moment */
+    rk_walls_move(scene, 0);
+    return RK_OK;
+}
+
+enum rk_status rk_scene_hold(struct rk_scene *scene, uint32_t tag, bool held,
+                             struct rk_error *err) {
+    size_t i = rk_scene_index(scene, tag);
+    if (i == SIZE_MAX) {
+        return rk_fail(err, RK_EINVALID, "there is no grain %u, the scene has %zu", tag,
+                       scene->grains.count);
+    }
+    struct rk_grains *g = &scene->grains;
+    g->inverse_mass[i] = held ? 0 : 1 / g->mass[i];
+    g->vx[i] = g->vy[i] = g->ax[i] = g->ay[i] = 0;
+    scene->primed = 0;
+    if (scene->rotates) {
+        g->inverse_inertia[i] = held ? 0 : 2 / (g->mass[i] * g->radius[i] * g->radius[i]);
+        g->omega[i] = g->alpha[i] = 0;
+    }
+    return RK_OK;
+}
+
+/* ---- Stepping
+ * ------------------------------------------------------------------------------------ */
+
+size_t rk_scene_index(const struct rk_scene *scene, uint32_t tag) {
+    if (tag >= scene->grains.count) {
+        return SIZE_MAX;
+    }
+    if (scene->index_of) {
+        return scene->index_of[tag];
+    }
+    return tag; /* never put into another order yet */
+}
+
+static enum rk_status coincident(const struct rk_scene *scene, struct rk_error *err) {
+    const struct rk_touching *t = &scene->touching;
+    for (size_t c = 0; c < t->count; c++) {
+        if (t->d2[c] == 0) {
+            return rk_fail(err, RK_EINVALID, "grains %u and %u lie on the same point (%g, %g)",
+                           scene->grains.tag[t->first[c]], scene->grains.tag[t->second[c]],
+                           scene->grains.x[t->first[c]], scene->grains.y[t->first[c]]);
+        }
+    }
+    return RK_OK;
+}
+
+static inline uint64_t tick(struct rk_scene *scene, enum rk_phase phase, uint64_t since) {
+    if (!scene->now) {
+        return 0;
+    }
+    uint64_t now = scene->now();
+    scene->profile.ticks[phase] += now - since;
+    return now;
+}
+
+/* Forces of the present positions and velocities, summed into grains->force. */
+static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact_law *law,
+                                 struct rk_error *err) {
+    const struct rk_kernel *kernel = scene->kernel;
+    uint64_t since = scene->now ? scene->now() : 0;
+    if (!rk_neighbours_hold(scene)) {
+        enum rk_status status = rk_neighbours_build(scene, err);
+        if (status) {
+            return status;
+        }
+    }
+    since = tick(scene, RK_PHASE_NEIGHBOURS, since);
+    kernel->touch(&scene->grains, &scene->pairs, &scene->touching);
+    since = tick(scene, RK_PHASE_TOUCH, since);
+    if (scene->rotates) {
+        kernel->push_and_rub(&scene->grains, law, &scene->pairs, &scene->touching);
+    } else {
+        kernel->push(&scene->grains, law, &scene->touching);
+    }
+    since = tick(scene, RK_PHASE_PUSH, since);
+    kernel->sum(&scene->grains, &scene->touching, scene->spec.gravity);
+    since = tick(scene, RK_PHASE_SUM, since);
+    enum rk_status status = rk_walls_push(scene, law, err);
+    tick(scene, RK_PHASE_WALLS, since);
+    scene->profile.pairs += scene->pairs.count;
+    scene->profile.contacts += scene->touching.count;
+    return status;
+}
+
+/* Before the very first step: accelerations that belong to the positions. No time passes, so no
+ * tangential force builds up. */
+static enum rk_status prime(struct rk_scene *scene, struct rk_error *err) {
+    struct rk_contact_law law = rk_contact_law_of(&scene->spec, 0);
+    rk_walls_move(scene, rk_scene_time(scene));
+    enum rk_status status = add_forces(scene, &law, err);
+    if (status == RK_OK) {
+        status = coincident(scene, err);
+    }
+    if (status == RK_OK) {
+        scene->kernel->correct(&scene->grains, 0);
+        scene->primed = 1;
+    }
+    return status;
+}
+
+static enum rk_status get_ready(struct rk_scene *scene, struct rk_error *err) {
+    enum rk_status status = rk_neighbours_prepare(scene, err);
+    if (status == RK_OK && !scene->index_of) {
+        scene->index_of = rk_array_create(scene->spec.grains, sizeof *scene->index_of);
+        if (!scene->index_of) {
+            return rk_fail(err, RK_EMEMORY, "no memory for %zu tags", scene->spec.grains);
+        }
+    }
+    if (status == RK_OK) {
+        rk_scene_index_tags(scene);
+        scene->ready = true;
+    }
+    return status;
+}
+
+void rk_scene_index_tags(struct rk_scene *scene) {
+    for (size_t i = 0; i < scene->grains.count; i++) {
+        scene->index_of[scene->grains.tag[i]] = (uint32_t)i;
+    }
+}
+
+static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_law *law,
+                                struct rk_error *err) {
+    const struct rk_kernel *kernel = scene->kernel;
+    enum rk_status status = RK_OK;
+    if (scene->steps % RK_ORDER_EVERY == 0) {
+        status = rk_order_renew(scene, err);
+        rk_scene_index_tags(scene);
+    }
+    if (status == RK_OK && !scene->primed) {
+        status = prime(scene, err);
+    }
+    if (status) {
+        return status;
+    }
+    uint64_t since = scene->now ? scene->now() : 0;
+    kernel->predict(&scene->grains, &scene->neighbours, scene->spec.dt, &scene->neighbours.moved);
+    rk_walls_move(scene, (double)(scene->steps + 1) * scene->spec.dt);
+    tick(scene, RK_PHASE_MOVE, since);
+    status = add_forces(scene, law, err);
+    if (status) {
+        return status;
+    }
+    since = scene->now ? scene->now() : 0;
+    kernel->correct(&scene->grains, scene->spec.dt);
+    tick(scene, RK_PHASE_MOVE, since);
+    scene->steps++;
+    return scene->steps % scene->spec.health.every == 0 ? rk_health_check(scene, err) : RK_OK;
+}
+
+enum rk_status rk_scene_step(struct rk_scene *scene, uint64_t steps, struct rk_error *err) {
+    struct rk_contact_law law = rk_contact_law_of(&scene->spec, scene->spec.dt);
+    enum rk_status status = scene->ready ? RK_OK : get_ready(scene, err);
+    for (uint64_t s = 0; status == RK_OK && s < steps; s++) {
+        status = step_once(scene, &law, err);
+    }
+    return status;
+}
+
+/* ---- Keeping and resuming
+ * ------------------------------------------------------------------------- */
+
+static const char state_mark[8] = {'R', 'K', 'S', 'T', 'A', 'T', 'E', '1'};
+enum { STATE_SCALARS = 6 }; /* steps, primed, rotates, and the lengths of the three sets */
+
+static const struct rk_field_set *const kept[] = {&rk_grain_fields, &rk_contact_fields,
+                                                  &rk_wall_contact_fields};
+enum { KEPT = sizeof kept / sizeof *kept };
+
+static size_t set_bytes(const struct rk_scene *scene, const struct rk_field_set *set,
+                        size_t length) {
+    size_t entry = 0;
+    for (size_t f = 0; f < set->count; f++) {
+        entry += rk_field_present(scene, &set->fields[f]) ? rk_field_size(&set->fields[f]) : 0;
+    }
+    return entry * length;
+}
+
+static void kept_lengths(const struct rk_scene *scene, uint64_t lengths[KEPT]) {
+    lengths[0] = scene->grains.count;
+    lengths[1] = scene->rotates ? scene->touching.count : 0;
+    lengths[2] = scene->wall_touching.count;
+}
+
+size_t rk_scene_packed_size(const struct rk_scene *scene) {
+    uint64_t lengths[KEPT];
+    kept_lengths(scene, lengths);
+    size_t size = sizeof state_mark + STATE_SCALARS * sizeof(uint64_t);
+    for (size_t s = 0; s < KEPT; s++) {
+        size += set_bytes(scene, kept[s], lengths[s]);
+    }
+    return size;
+}
+
+void rk_scene_pack(const struct rk_scene *scene, void *block) {
+    char *at = block;
+    uint64_t scalars[STATE_SCALARS] = {scene->steps, scene->primed, scene->rotates};
+    kept_lengths(scene, scalars + 3);
+    memcpy(at, state_mark, sizeof state_mark);
+    at += sizeof state_mark;
+    memcpy(at, scalars, sizeof scalars);
+    at += sizeof scalars;
+    for (size_t s = 0; s < KEPT; s++) {
+        for (size_t f = 0; f < kept[s]->count; f++) {
+            const struct rk_field *field = &kept[s]->fields[f];
+            if (rk_field_present(scene, field) && scalars[3 + s] > 0) {
+                size_t bytes = scalars[3 + s] * rk_field_size(field);
+                memcpy(at, rk_field_array(scene, field), bytes);
+                at += bytes;
+            }
+        }
+    }
+}
+
+static enum rk_status damaged(struct rk_error *err, const char *what) {
+    return rk_fail(err, RK_EFORMAT, "the state of the scene is damaged: %s", what);
+}
+
+/* Bounds are checked before anything is allocated or copied. */
+static enum rk_status check_block(const struct rk_scene *scene, const char *block, size_t size,
+                                  uint64_t scalars[STATE_SCALARS], struct rk_error *err) {
+    size_t head = sizeof state_mark + STATE_SCALARS * sizeof(uint64_t);
+    if (size < head || memcmp(block, state_mark, sizeof state_mark) != 0) {
+        return damaged(err, "it does not begin as one");
+    }
+    memcpy(scalars, block + sizeof state_mark, STATE_SCALARS * sizeof(uint64_t));
+    if (scalars[1] > 1 || scalars[2] != (uint64_t)scene->rotates) {
+        return damaged(err, "it is of a scene of another kind");
+    }
+    if (scalars[3] > scene->spec.grains || scalars[4] > UINT32_MAX ||
+        scalars[5] > scalars[3] * scene->wall_count) {
+        return damaged(err, "it speaks of more grains or contacts than can be");
+    }
+    for (size_t s = 0; s < KEPT; s++) {
+        head += set_bytes(scene, kept[s], scalars[3 + s]);
+    }
+    return head == size ? RK_OK : damaged(err, "its length does not fit its contents");
+}
+
+static enum rk_status check_contacts(const struct rk_scene *scene, struct rk_error *err) {
+    const struct rk_touching *t = &scene->touching;
+    const struct rk_wall_touching *w = &scene->wall_touching;
+    size_t n = scene->grains.count;
+    for (size_t c = 0; c < t->count; c++) {
+        bool later = c == 0 || t->first[c] > t->first[c - 1] ||
+                     (t->first[c] == t->first[c - 1] && t->second[c] > t->second[c - 1]);
+        if (t->first[c] >= t->second[c] || t->second[c] >= n || !later || !isfinite(t->ft[c])) {
+            return damaged(err, "its contacts are out of order");
+        }
+    }
+    for (size_t c = 0; c < w->count; c++) {
+        bool later = c == 0 || w->wall[c] > w->wall[c - 1] ||
+                     (w->wall[c] == w->wall[c - 1] && w->grain[c] > w->grain[c - 1]);
+        if (w->wall[c] >= scene->wall_count || w->grain[c] >= n || !later || !isfinite(w->ft[c])) {
+            return damaged(err, "its wall contacts are out of order");
+        }
+    }
+    return RK_OK;
+}
+
+static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error *err) {
+    const struct rk_grains *g = &scene->grains;
+    for (size_t i = 0; i < g->count; i++) {
+        double sum = g->x[i] + g->y[i] + g->vx[i] + g->vy[i] + g->ax[i] + g->ay[i];
+        if (!isfinite(sum) || !(g->radius[i] > 0) || !isfinite(g->radius[i]) || !(g->mass[i] > 0) ||
+            !isfinite(g->mass[i]) || !(g->inverse_mass[i] >= 0)) {
+            return damaged(err, "a grain has a value that cannot be");
+        }
+        if (g->tag[i] >= g->count) {
+            return damaged(err, "a grain has a number that cannot be");
+        }
+    }
+    uint8_t *seen = rk_array_create(g->count, 1);
+    if (!seen) {
+        return rk_fail(err, RK_EMEMORY, "no memory to check %zu grains", g->count);
+    }
+    bool twice = false;
+    for (size_t i = 0; i < g->count; i++) {
+        twice = twice || seen[g->tag[i]];
+        seen[g->tag[i]] = 1;
+    }
+    free(seen);
+    return twice ? damaged(err, "two grains have the same number") : RK_OK;
+}
+
+enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t size,
+                               struct rk_error *err) {
+    uint64_t scalars[STATE_SCALARS];
+    if (scene->grains.count > 0) {
+        return rk_fail(err, RK_EINVALID, "a state is unpacked into a scene without grains only");
+    }
+    enum rk_status status = check_block(scene, block, size, scalars, err);
+    if (status == RK_OK) {
+        status = rk_fields_resize(scene, &rk_contact_fields, scalars[4], err);
+    }
+    if (status == RK_OK) {
+        status = rk_fields_resize(scene, &rk_wall_contact_fields, scalars[5], err);
+    }
+    if (status) {
+        return status;
+    }
+    scene->steps = scalars[0];
+    scene->primed = scalars[1];
+    scene->grains.count = scalars[3];
+    scene->touching.count = scalars[4];
+    scene->wall_touching.count = scalars[5];
+    const char *at = (const char *)block + sizeof state_mark + sizeof scalars;
+    for (size_t s = 0; s < KEPT; s++) {
+        for (size_t f = 0; f < kept[s]->count; f++) {
+            const struct rk_field *field = &kept[s]->fields[f];
+            if (rk_field_present(scene, field)) {
+                size_t bytes = scalars[3 + s] * rk_field_size(field);
+                memcpy(rk_field_array(scene, field), at, bytes);
+                at += bytes;
+            }
+        }
+    }
+    scene->ready = false;
+    status = check_grains(scene, err);
+    if (status == RK_OK) {
+        status = check_contacts(scene, err);
+    }
+    rk_walls_move(scene, rk_scene_time(scene));
+    return status == RK_OK ? get_ready(scene, err) : status;
+}

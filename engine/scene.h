@@ -1,0 +1,108 @@
+/* The inside of a scene. Private to engine/.
+ *
+ * Grains are structures of arrays in an order that keeps neighbours in space near in memory. The
+ * order is renewed at fixed step numbers, never when a list happens to be rebuilt: sums run in
+ * this order, so it is part of the trajectory and must not depend on a skin or a method.
+ */
+#ifndef RK_ENGINE_SCENE_H
+#define RK_ENGINE_SCENE_H
+
+#include "engine/engine.h"
+
+/* Sums over contacts of a grain: fx, fy, torque, and one double to fill half a cache line. */
+enum { RK_FORCE_WIDTH = 4 };
+
+struct rk_grains {
+    size_t count, capacity;
+    double *x, *y, *vx, *vy, *ax, *ay;
+    double *angle, *omega, *alpha; /* NULL where nothing rotates; alpha = angular acceleration */
+    double *radius, *mass, *inverse_mass; /* inverse_mass is 0 for a held grain */
+    double *inverse_inertia;              /* likewise; NULL where nothing rotates */
+    uint32_t *tag;
+    double *force; /* [capacity][RK_FORCE_WIDTH], scratch of a step */
+};
+
+/* Neighbour pairs in the order of (first, second), first < second. */
+struct rk_pairs {
+    size_t count, capacity;
+    uint32_t *first, *second;
+    double *shift;  /* added to x[second] - x[first] to reach the nearest image; NULL if open */
+    double *reach2; /* (R_first + R_second)^2 */
+    double *ft;     /* tangential force of the last step, 0 if not touching; NULL if frictionless */
+};
+
+/* The touching ones of the last step, in the same order. */
+struct rk_touching {
+    size_t count;
+    uint32_t *first, *second, *pair;
+    double *dx, *dy, *d2; /* from first to second */
+    double *ft;           /* NULL if frictionless */
+    double *force; /* [capacity][RK_FORCE_WIDTH]: on second fx, fy; torques on first, second */
+};
+
+/* Bounds of the displacements of all grains since the neighbour list was built. */
+struct rk_bounds {
+    double low[2], high[2];
+};
+
+struct rk_neighbours {
+    bool valid;
+    double *x0, *y0;        /* positions at the last build */
+    struct rk_bounds moved; /* since then */
+    double cell;            /* side of a cell */
+    double bulk_radius;     /* grains up to this fit the cells; larger ones search further */
+    double largest;         /* the largest sum of two radii */
+    uint64_t *found;        /* scratch: pairs as first << 32 | second */
+    size_t found_capacity;
+    uint32_t *cell_start, *cell_of, *in_cell; /* scratch: counting sort into cells */
+    size_t cell_capacity;
+    uint32_t *row_start; /* [capacity + 1] first pair of each grain */
+};
+
+struct rk_wall {
+    struct rk_wall_spec spec;
+    double at[2], velocity[2]; /* the present place of spec.point, and its velocity */
+    double force[2];           /* of the grains on it */
+    size_t near_count;
+    uint32_t *near;  /* grains that may touch before the list is renewed, ascending */
+    double *ft;      /* of each of them; NULL without friction */
+    double built_at; /* normal . at when the list was built */
+    struct rk_bounds built_moved;
+    bool near_valid;
+};
+
+/* Wall contacts of the last step, by wall, then grain. */
+struct rk_wall_touching {
+    size_t count, capacity;
+    uint32_t *wall, *grain;
+    double *overlap, *fn, *ft;
+};
+
+struct rk_kernel;
+
+struct rk_scene {
+    struct rk_scene_spec spec;
+    const struct rk_kernel *kernel;
+    bool rotates;
+    bool ready; /* sizes that depend on the radii are known, tags are indexed */
+    uint64_t steps;
+    uint64_t primed;    /* 1 once accelerations belong to the positions */
+    uint32_t *index_of; /* [tag] the grain's place in the order; NULL before the first step */
+    struct rk_grains grains;
+    struct rk_pairs pairs;
+    struct rk_touching touching;
+    struct rk_neighbours neighbours;
+    struct rk_wall *walls;
+    size_t wall_count;
+    struct rk_wall_touching wall_touching;
+    uint64_t (*now)(void);
+    struct rk_profile profile;
+};
+
+/* A grain's place in the order, SIZE_MAX if there is none of that tag. */
+size_t rk_scene_index(const struct rk_scene *scene, uint32_t tag);
+
+/* Renew index_of after the order has changed. */
+void rk_scene_index_tags(struct rk_scene *scene);
+
+#endif
