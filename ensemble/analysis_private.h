@@ -28,10 +28,21 @@ struct rk_analysis_methods {
     /* Fill `result`. RK_EREFUSED (the data do not support it; the message is for the user). */
     enum rk_status (*estimate)(const void *params, const struct rk_point_data *data,
                                struct rk_result *result, struct rk_error *err);
-    /* One line about a result for the closing table: "0.0123 [0.0101, 0.0145] d/period". */
+    /* The closing table: its title, the head of its columns, and a row without line end. */
+    const char *title, *head;
     void (*headline)(const struct rk_result *result, FILE *out);
-    /* Write the gnuplot commands of its picture after the terminal's. */
+    /* Write the gnuplot commands of its picture after those that open it. */
     void (*picture)(const struct rk_picture *picture, FILE *out);
+    bool panels; /* one panel a point, otherwise all points in one */
 };
+
+extern const struct rk_analysis rk_analysis_rise, rk_analysis_ldf;
+
+/* Whole periods in a run. */
+uint64_t rk_analysis_periods(const struct rk_schedule *schedule);
+
+/* Is [from, to) of periods (to = 0: the end) inside a run? RK_EINVALID about "from" or "to". */
+enum rk_status rk_analysis_check_span(uint64_t from, uint64_t to,
+                                      const struct rk_schedule *schedule, struct rk_error *err);
 
 #endif
