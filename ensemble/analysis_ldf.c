@@ -9,12 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The number of rows must be known to the compiler here; a test compares it with the count that
- * the statistics publish. */
-extern const struct rk_param rk_ldf_params[6];
-
-static const struct rk_param_group groups[] = {
-    {"", rk_ldf_params, sizeof rk_ldf_params / sizeof *rk_ldf_params, 0}};
+static const struct rk_param_group groups[] = {{"", rk_ldf_params, RK_LDF_PARAMS, 0}};
 static const struct rk_param_table table = {groups, 1, sizeof(struct rk_ldf_options)};
 
 static enum rk_status check(const void *params, const struct rk_schedule *schedule,

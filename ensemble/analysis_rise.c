@@ -6,10 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-extern const struct rk_param rk_rate_params[3]; /* see analysis_ldf.c */
-
-static const struct rk_param_group groups[] = {
-    {"", rk_rate_params, sizeof rk_rate_params / sizeof *rk_rate_params, 0}};
+static const struct rk_param_group groups[] = {{"", rk_rate_params, RK_RATE_PARAMS, 0}};
 static const struct rk_param_table table = {groups, 1, sizeof(struct rk_rate_options)};
 
 /* Rows of the height table: more could not be told apart in a picture. */

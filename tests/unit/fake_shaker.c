@@ -200,7 +200,8 @@ static void sample(const struct rk_scene *scene, const struct rk_focus *of, doub
 }
 
 static const struct rk_probe intruder = {{"intruder", "the intruder"}, columns, 2, sample};
-static const struct rk_probe *const probes[] = {&intruder};
+static const struct rk_piece *const probe_list[] = {&intruder.piece};
+static const struct rk_registry probes = {"probe", "probes", probe_list, 1};
 
 const struct rk_case fake_shaker = {
     .piece = {"shaker", "a shaker that is not there"},
@@ -212,8 +213,7 @@ const struct rk_case fake_shaker = {
     .focus = focus,
     .prepare = prepare,
     .empty = empty,
-    .probes = probes,
-    .probe_count = 1,
+    .probes = &probes,
 };
 static const struct rk_piece *const cases[] = {&fake_shaker.piece};
 const struct rk_registry rk_case_registry = {"case", "cases", cases, 1};

@@ -308,7 +308,8 @@ static void observables_are_read_back(void **state) {
                                          &report, NULL),
                      RK_OK);
     for (size_t i = 0; i < data.samples; i++) {
-        fake_shaker.probes[0]->sample(scene, &focus, row);
+        const struct rk_probe *probe = (const struct rk_probe *)fake_shaker.probes->pieces[0];
+        probe->sample(scene, &focus, row);
         assert_true(data.values[i] == row[0]);
         assert_int_equal(rk_scene_step(scene, 40, NULL), RK_OK);
     }
