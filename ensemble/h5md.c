@@ -248,7 +248,7 @@ static void start_columns(struct writer *w) {
     hid_t observables = rk_h5_group(&w->h5, w->h5.file, "observables");
     size_t i = 0;
     for (size_t p = 0; p < scene->probes->count; p++) {
-        const struct rk_probe *probe = (const struct rk_probe *)scene->probes->pieces[p];
+        const struct rk_probe *probe = rk_columns_probe(scene, p);
         hid_t group = rk_h5_group(&w->h5, observables, probe->piece.name);
         for (size_t c = 0; c < probe->count; c++) {
             start_column(w, group, i++, &probe->columns[c]);

@@ -14,6 +14,8 @@
 
 static const struct rk_command *const commands[] = {
     &rk_command_describe,
+    &rk_command_run,
+    &rk_command_status,
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
 
