@@ -303,12 +303,12 @@ static enum rk_status carry_on(struct work *w, struct rk_error *err) {
 static enum rk_status publish(struct work *w, const struct rk_error *failure,
                               struct rk_error *err) {
     struct rk_record outcome = {.plan = w->plan,
-                                 .run = w->run,
-                                 .schedule = w->schedule,
-                                 .scene = w->scene,
-                                 .preparation = w->preparation,
-                                 .failed = failure != NULL,
-                                 .reason = failure ? failure->message : NULL};
+                                .run = w->run,
+                                .schedule = w->schedule,
+                                .scene = w->scene,
+                                .preparation = w->preparation,
+                                .failed = failure != NULL,
+                                .reason = failure ? failure->message : NULL};
     const char *partial = w->paths.partial.text;
     enum rk_status status = rk_h5md_write(partial, &outcome, w->spool, err);
     if (status == RK_OK) {

@@ -125,6 +125,7 @@ static int run_plan(const char *folder, const struct rk_plan *plan, const struct
     struct rk_store *store = NULL;
     struct rk_error err = RK_NO_ERROR;
     struct rk_run_report report = {0};
+    catch_signals();
     if (rk_store_open(folder, plan, &store, &err) != RK_OK) {
         return rk_complain(&err);
     }
@@ -135,7 +136,6 @@ static int run_plan(const char *folder, const struct rk_plan *plan, const struct
                                        .progress = shows ? progress : NULL,
                                        .message = message,
                                        .context = &shows};
-    catch_signals();
     enum rk_status status = rk_runner_run(plan, store, &runner, &report, &err);
     rk_store_close(store);
     if (shows) {
