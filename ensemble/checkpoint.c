@@ -157,10 +157,14 @@ bool rk_checkpoint_exists(const char *path) {
 }
 
 enum rk_status rk_checkpoint_remove(const char *path, struct rk_error *err) {
-    struct rk_path old;
-    enum rk_status status = path_of(&old, path, 1, err);
-    if (status == RK_OK) {
-        status = rk_file_remove(path, err);
+    static const char *const endings[] = {"", ".old", ".new"};
+    enum rk_status status = RK_OK;
+    for (size_t i = 0; status == RK_OK && i < sizeof endings / sizeof *endings; i++) {
+        struct rk_path name;
+        status = rk_path_set(&name, err, "%s%s", path, endings[i]);
+        if (status == RK_OK) {
+            status = rk_file_remove(name.text, err);
+        }
     }
-    return status == RK_OK ? rk_file_remove(old.text, err) : status;
+    return status;
 }

@@ -35,7 +35,7 @@ enum rk_status rk_checkpoint_read(const char *path, int generation, const struct
 /* Is there one of either generation? */
 bool rk_checkpoint_exists(const char *path);
 
-/* Remove both generations. */
+/* Remove both generations, and one that was being written. */
 enum rk_status rk_checkpoint_remove(const char *path, struct rk_error *err);
 
 #endif

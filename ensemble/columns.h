@@ -8,8 +8,8 @@
 
 size_t rk_columns_count(const struct rk_case *scene);
 
-/* The probe that column i belongs to (i below the count), *column being its index there. */
-const struct rk_probe *rk_columns_probe(const struct rk_case *scene, size_t i, size_t *column);
+/* The p-th probe of a case, p below scene->probes->count. */
+const struct rk_probe *rk_columns_probe(const struct rk_case *scene, size_t p);
 
 /* One sample of all of them. */
 void rk_columns_sample(const struct rk_case *scene, const struct rk_scene *state,

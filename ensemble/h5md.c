@@ -225,18 +225,27 @@ static void write_interval(struct rk_h5 *h5, hid_t group, const char *name, enum
     }
 }
 
-static void start_column(struct writer *w, hid_t parent, size_t i,
+/* Step and time are one object, whichever observable they are looked up under. */
+static void start_column(struct writer *w, hid_t parent, size_t i, hid_t *clock,
                          const struct rk_probe_column *column) {
     const struct rk_schedule *s = &w->outcome->schedule;
     double interval = (double)s->sample_every * s->dt;
     hid_t group = rk_h5_group(&w->h5, parent, column->name);
-    write_interval(&w->h5, group, "step", RK_H5_COUNT, &s->sample_every, NULL);
-    write_interval(&w->h5, group, "time", RK_H5_REAL, &interval, "sqrt(d/g)");
+    if (i == 0) {
+        *clock = group;
+        write_interval(&w->h5, group, "step", RK_H5_COUNT, &s->sample_every, NULL);
+        write_interval(&w->h5, group, "time", RK_H5_REAL, &interval, "sqrt(d/g)");
+    } else {
+        rk_h5_link(&w->h5, *clock, "step", group, "step");
+        rk_h5_link(&w->h5, *clock, "time", group, "time");
+    }
     struct rk_h5_series series = w->column_series;
     series.unit = column->unit;
     w->column_set[i] = rk_h5_series(&w->h5, group, "value", &series);
     rk_h5_note(&w->h5, w->column_set[i], "description", column->doc);
-    rk_h5_release(&w->h5, group);
+    if (i > 0) {
+        rk_h5_release(&w->h5, group);
+    }
 }
 
 static void start_columns(struct writer *w) {
@@ -246,15 +255,17 @@ static void start_columns(struct writer *w) {
                                              .dims = {w->rows},
                                              .chunk = {smaller(ROWS_A_CHUNK, w->rows)}};
     hid_t observables = rk_h5_group(&w->h5, w->h5.file, "observables");
+    hid_t clock = H5I_INVALID_HID;
     size_t i = 0;
     for (size_t p = 0; p < scene->probes->count; p++) {
-        const struct rk_probe *probe = (const struct rk_probe *)scene->probes->pieces[p];
+        const struct rk_probe *probe = rk_columns_probe(scene, p);
         hid_t group = rk_h5_group(&w->h5, observables, probe->piece.name);
         for (size_t c = 0; c < probe->count; c++) {
-            start_column(w, group, i++, &probe->columns[c]);
+            start_column(w, group, i++, &clock, &probe->columns[c]);
         }
         rk_h5_release(&w->h5, group);
     }
+    rk_h5_release(&w->h5, clock);
     rk_h5_release(&w->h5, observables);
 }
 

@@ -1,5 +1,8 @@
 #include "ensemble/hdf5_file.h"
+#include "ensemble/files.h"
+#include "ensemble/hdf5_driver.h"
 
+#include <errno.h>
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -63,7 +66,15 @@ static herr_t innermost(unsigned depth, const H5E_error2_t *reason, void *text) 
     return 0;
 }
 
+void rk_h5_check(struct rk_h5 *h5) {
+    if (h5->status == RK_OK && h5->failure != 0) {
+        errno = h5->failure;
+        h5->status = rk_fail_system(h5->err, "write", h5->path);
+    }
+}
+
 void rk_h5_fail(struct rk_h5 *h5, const char *verb, const char *name) {
+    rk_h5_check(h5); /* the system's reason says more than what HDF5 makes of it */
     if (h5->status != RK_OK) {
         return;
     }
@@ -95,6 +106,7 @@ void rk_h5_create(struct rk_h5 *h5, const char *path, size_t user_block, enum rk
     hid_t access = rk_h5_properties(H5P_FILE_ACCESS);
     if (creation < 0 || access < 0 || H5Pset_userblock(creation, user_block) < 0 ||
         H5Pset_libver_bounds(access, version, version) < 0 ||
+        !rk_h5_driver_set(access, &h5->failure) ||
         H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) < 0 ||
         (h5->file = H5Fcreate(path, H5F_ACC_TRUNC, creation, access)) < 0) {
         rk_h5_fail(h5, "create", "/");
@@ -123,6 +135,7 @@ enum rk_status rk_h5_close(struct rk_h5 *h5) {
         }
         h5->file = H5I_INVALID_HID;
     }
+    rk_h5_check(h5);
     return h5->status;
 }
 
@@ -293,6 +306,7 @@ void rk_h5_rows(struct rk_h5 *h5, hid_t dataset, const struct rk_h5_series *seri
     }
     H5Sclose(file_space);
     H5Sclose(memory_space);
+    rk_h5_check(h5);
 }
 
 bool rk_h5_has(struct rk_h5 *h5, const char *name) {

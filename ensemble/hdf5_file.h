@@ -38,6 +38,7 @@ struct rk_h5 {
     const char *path; /* for messages; must outlive the struct */
     enum rk_status status;
     struct rk_error *err;
+    int failure; /* errno of the first failed write (hdf5_driver.h); do not move the struct */
 };
 
 /* Which readers a file must suit: those of HDF5 1.8, or, for virtual datasets, of 1.10. */
@@ -51,6 +52,9 @@ void rk_h5_open(struct rk_h5 *h5, const char *path, struct rk_error *err);
 /* Flush and close. The first failure of everything done with the file; RK_EIO for writing,
  * RK_EFORMAT for reading. */
 enum rk_status rk_h5_close(struct rk_h5 *h5);
+
+/* Has a write failed behind HDF5's back? Then that is the failure, if it is the first. */
+void rk_h5_check(struct rk_h5 *h5);
 
 /* Record a failure, if it is the first: "cannot <what> of '<path>' ..., with HDF5's reason". */
 void rk_h5_fail(struct rk_h5 *h5, const char *verb, const char *name);

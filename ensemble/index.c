@@ -109,7 +109,7 @@ static void write_point(struct rk_h5 *h5, hid_t parent, const struct rk_plan *pl
     write_complete(h5, group, states, span);
     rk_h5_values(h5, group, "interval", RK_H5_REAL, 0, NULL, &interval, "sqrt(d/g)");
     for (size_t p = 0; p < scene->probes->count; p++) {
-        const struct rk_probe *probe = (const struct rk_probe *)scene->probes->pieces[p];
+        const struct rk_probe *probe = rk_columns_probe(scene, p);
         hid_t columns = rk_h5_group(h5, group, probe->piece.name);
         for (size_t c = 0; c < probe->count; c++) {
             write_column(h5, columns, plan, states, span, samples, probe, &probe->columns[c]);

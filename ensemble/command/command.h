@@ -63,6 +63,8 @@ extern const struct rk_command rk_command_analyze;
 extern const struct rk_command rk_command_check;
 extern const struct rk_command rk_command_describe;
 extern const struct rk_command rk_command_ldf;
+extern const struct rk_command rk_command_run;
+extern const struct rk_command rk_command_status;
 
 /* Read `argv` (after the command's name) into `values` (command->size bytes) and `operands` (as
  * many pointers as argc), whose number is *count. *help is set when --help or -h was met.
