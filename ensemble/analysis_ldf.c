@@ -172,14 +172,25 @@ void rk_ldf_print(const struct rk_result *result, FILE *out) {
 /* Bands where there are intervals, a full line there, dashes and hollow dots as far as there are
  * points. */
 static void picture(const struct rk_picture *p, FILE *out) {
-    fprintf(out, "set xlabel \"window-averaged velocity of the intruder, a [sqrt(g d)]\"\n"
-                 "set ylabel \"rate function I(a) [sqrt(g/d)]\"\n"
-                 "set yrange [0:*]\nset key top center\n"
-                 "set xzeroaxis\nset arrow 1 from 0, graph 0 to 0, graph 1 nohead "
-                 "linecolor rgb \"#999999\" dashtype 3\n"
-                 "believed(x, v) = (v eq \"refused\") ? NaN : x\n"
-                 "sure(x, v) = (v eq \"interval\") ? x : NaN\n"
-                 "plot \\\n");
+    const struct rk_value *a = rk_result_find(p->panels[0].result, "a");
+    const struct rk_value *rate = rk_result_find(p->panels[0].result, "rate");
+    char unit[2][64] = {"", ""};
+    if (a && a->unit[0] != '\0') {
+        snprintf(unit[0], sizeof unit[0], " [%s]", a->unit);
+    }
+    if (rate && rate->unit[0] != '\0') {
+        snprintf(unit[1], sizeof unit[1], " [%s]", rate->unit);
+    }
+    fprintf(out,
+            "set xlabel \"%s, a%s\" noenhanced\nset ylabel \"rate function I(a)%s\" noenhanced\n"
+            "set yrange [0:*]\nset key top center\n"
+            "set arrow 1 from 0, graph 0 to 0, graph 1 nohead linecolor rgb \"#999999\" "
+            "dashtype 3\n"
+            "believed(x, v) = (v eq \"refused\") ? NaN : x\n"
+            "sure(x, v) = (v eq \"interval\") ? x : NaN\n"
+            "plot \\\n",
+            p->quantity ? p->quantity : "velocity of the intruder averaged over windows", unit[0],
+            unit[1]);
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
         const char *colour = rk_plot_colour(i);

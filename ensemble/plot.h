@@ -20,6 +20,7 @@ struct rk_panel {
 struct rk_picture {
     const char *name; /* "rise" for rise.png */
     const char *title;
+    const char *quantity; /* on the x axis; NULL: what the analysis is about */
     const struct rk_panel *panels;
     size_t count;
 };

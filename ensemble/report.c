@@ -1,98 +1,13 @@
 #include "ensemble/report.h"
 
-#include "base/memory.h"
 #include "ensemble/analysis_private.h"
-#include "ensemble/store.h"
 #include "stats/stats.h"
 
-#include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
-static void __attribute__((format(printf, 2, 3)))
-tell(const struct rk_notice *notice, const char *format, ...) {
-    char line[900];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(line, sizeof line, format, arguments);
-    va_end(arguments);
-    if (notice && notice->say) {
-        notice->say(notice->context, line);
-    }
-}
-
-/* The heights of one point's runs that are done, side by side. */
-struct gathered {
-    double *values;  /* [done][samples] */
-    size_t *lengths; /* [done] */
-    size_t samples, done, failed, missing;
-    double interval;
-};
-
-static void gathered_clear(struct gathered *g) {
-    free(g->values);
-    free(g->lengths);
-}
-
-/* Add one run; one that cannot be read, or does not fit its schedule, is missing. */
-static void add_run(const char *folder, const struct rk_run *run, const struct rk_notice *notice,
-                    struct gathered *g) {
-    struct rk_observable data = {0};
-    struct rk_error err = RK_NO_ERROR;
-    if (rk_store_read(folder, run, RK_REPORT_OBSERVABLE, &data, &err) != RK_OK) {
-        tell(notice, "run %s is left out: %s%s%s", run->id, err.where, err.where[0] ? ": " : "",
-             err.message);
-        g->missing++;
-    } else if (data.samples > g->samples || data.samples < 2 ||
-               fabs(data.interval - g->interval) > 1e-9 * g->interval) {
-        tell(notice, "run %s is left out: %zu samples every %g are not what the study asks for",
-             run->id, data.samples, data.interval);
-        g->missing++;
-    } else {
-        memcpy(g->values + g->done * g->samples, data.values, data.samples * sizeof(double));
-        g->lengths[g->done++] = data.samples;
-    }
-    free(data.values);
-}
-
-static enum rk_status gather(const char *folder, const struct rk_plan *plan, size_t point,
-                             const struct rk_notice *notice, struct gathered *g,
-                             struct rk_error *err) {
-    const struct rk_study *study = plan->study;
-    struct rk_schedule schedule = study->scene->schedule(study->points[point].params);
-    const struct rk_run *runs = plan->runs + point * (size_t)study->replicas;
-    size_t replicas = (size_t)study->replicas, done = 0;
-    *g = (struct gathered){.interval = (double)schedule.sample_every * schedule.dt,
-                           .samples = schedule.steps / schedule.sample_every + 1};
-    for (size_t r = 0; r < replicas; r++) {
-        done += rk_store_run_state(folder, &runs[r]) == RK_RUN_DONE;
-    }
-    if (done > 0 && g->samples > SIZE_MAX / sizeof(double) / done) {
-        return rk_fail(err, RK_EMEMORY, "the samples of point %s do not fit into memory",
-                       study->points[point].name);
-    }
-    g->values = rk_array_create(done * g->samples, sizeof *g->values);
-    g->lengths = rk_array_create(done, sizeof *g->lengths);
-    if (!g->values || !g->lengths) {
-        return rk_fail(err, RK_EMEMORY, "no memory for %zu x %zu samples of point %s", done,
-                       g->samples, study->points[point].name);
-    }
-    for (size_t r = 0; r < replicas; r++) {
-        enum rk_run_state state = rk_store_run_state(folder, &runs[r]);
-        if (state == RK_RUN_DONE && g->done < done) {
-            add_run(folder, &runs[r], notice, g);
-        } else if (state == RK_RUN_FAILED) {
-            g->failed++;
-        } else {
-            g->missing++;
-        }
-    }
-    return RK_OK;
-}
-
 /* A refusal is an outcome; only a shortage of memory ends the whole report. */
-static enum rk_status estimate(const struct rk_plan *plan, size_t p, const struct gathered *g,
+static enum rk_status estimate(const struct rk_plan *plan, size_t p, const struct rk_gathered *g,
                                const struct rk_request *request, struct rk_outcome *outcome,
                                struct rk_error *err) {
     const struct rk_study *study = plan->study;
@@ -131,14 +46,14 @@ static enum rk_status fill(const char *folder, const struct rk_notice *notice,
     const struct rk_plan *plan = report->plan;
     enum rk_status status = RK_OK;
     for (size_t p = 0; p < plan->study->point_count && status == RK_OK; p++) {
-        struct gathered g;
-        status = gather(folder, plan, p, notice, &g, err);
+        struct rk_gathered g;
+        status = rk_gather(folder, plan, p, RK_REPORT_OBSERVABLE, notice, &g, err);
         for (size_t i = 0; i < report->count && status == RK_OK; i++) {
             status = estimate(plan, p, &g, report->entries[i].request,
                               &report->entries[i].outcomes[p], err);
         }
         report->used += g.done;
-        gathered_clear(&g);
+        rk_gathered_clear(&g);
     }
     if (status == RK_OK && report->used == 0) {
         return rk_fail(err, RK_EIO,

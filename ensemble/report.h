@@ -34,6 +34,21 @@ struct rk_notice {
     void *context;
 };
 
+/* One observable of the runs of a point that are done: values[run * samples + i], of which the
+ * first lengths[run] are there. */
+struct rk_gathered {
+    double *values;
+    size_t *lengths;
+    size_t samples, done, failed, missing;
+    double interval;
+};
+
+/* Gather it; release with rk_gathered_clear, also after a failure (RK_EMEMORY). */
+enum rk_status rk_gather(const char *folder, const struct rk_plan *plan, size_t point,
+                         const char *observable, const struct rk_notice *notice,
+                         struct rk_gathered *g, struct rk_error *err);
+void rk_gathered_clear(struct rk_gathered *g);
+
 /* Carry out the study's analyses on the runs that are done. *report is the caller's; it points
  * into the plan. RK_EIO when no run is done; RK_EMEMORY. */
 enum rk_status rk_report_create(const char *folder, const struct rk_plan *plan,

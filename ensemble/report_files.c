@@ -1,13 +1,13 @@
 /* A report as files: tables, JSON, gnuplot scripts and pictures. */
+#include "ensemble/analysis_ldf.h"
 #include "ensemble/analysis_private.h"
+#include "ensemble/files.h"
 #include "ensemble/plot.h"
 #include "ensemble/report.h"
 
-#include <errno.h>
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 /* What a file is written from; `write` knows which of the members it needs. */
 struct page {
@@ -36,30 +36,26 @@ static void write_script(const struct page *page, FILE *out) {
     methods->picture(page->picture, out);
 }
 
-/* Write to a temporary name, then rename: a reader sees the old file or the new one. */
+/* A reader sees the old file or the new one, never half of one. */
 static enum rk_status write_file(const char *folder, const char *name, const struct page *page,
                                  struct rk_error *err) {
-    char *path = NULL, *temporary = NULL;
-    if (asprintf(&path, "%s/%s", folder, name) < 0 ||
-        asprintf(&temporary, "%s/.%s.%ld", folder, name, (long)getpid()) < 0) {
-        free(path);
-        return rk_fail(err, RK_EMEMORY, "out of memory");
+    struct rk_path path;
+    char *text = NULL;
+    size_t size = 0;
+    enum rk_status status = rk_path_set(&path, err, "%s/%s", folder, name);
+    FILE *out = status == RK_OK ? open_memstream(&text, &size) : NULL;
+    if (status != RK_OK) {
+        return status;
     }
-    enum rk_status status = RK_OK;
-    FILE *out = fopen(temporary, "we");
     bool good = out != NULL;
     if (out) {
         page->write(page, out);
-        good = fflush(out) == 0 && !ferror(out);
+        good = !ferror(out);
         good = fclose(out) == 0 && good;
     }
-    if (!good || rename(temporary, path) != 0) {
-        status = rk_fail(err, RK_EIO, "cannot be written: %s", strerror(errno));
-        rk_error_locate(err, "%s", path);
-        unlink(temporary);
-    }
-    free(path);
-    free(temporary);
+    status = good ? rk_file_replace(path.text, text, size, err)
+                  : rk_fail(err, RK_EMEMORY, "out of memory");
+    free(text);
     return status;
 }
 
@@ -106,7 +102,7 @@ static enum rk_status draw_entry(struct page *page, const char *folder,
     }
     snprintf(title, sizeof title, "%s: %s", study->name,
              page->entry->request->analysis->methods->title);
-    struct rk_picture picture = {page->entry->label, title, panels, count};
+    struct rk_picture picture = {page->entry->label, title, NULL, panels, count};
     page->picture = &picture;
     page->write = write_script;
     return draw(page, folder, notice, err);
@@ -138,18 +134,59 @@ static enum rk_status write_entry(const struct rk_report *report,
 
 enum rk_status rk_report_write(const struct rk_report *report, const char *folder,
                                const struct rk_notice *notice, struct rk_error *err) {
-    char *place;
-    if (asprintf(&place, "%s/analysis", folder) < 0) {
-        return rk_fail(err, RK_EMEMORY, "out of memory");
-    }
-    enum rk_status status = RK_OK;
-    if (mkdir(place, 0777) != 0 && errno != EEXIST) {
-        status = rk_fail(err, RK_EIO, "cannot be made: %s", strerror(errno));
-        rk_error_locate(err, "%s", place);
+    struct rk_path place;
+    enum rk_status status = rk_path_set(&place, err, "%s/analysis", folder);
+    if (status == RK_OK) {
+        status = rk_folder_make(place.text, err);
     }
     for (size_t i = 0; i < report->count && status == RK_OK; i++) {
-        status = write_entry(report, &report->entries[i], place, notice, err);
+        status = write_entry(report, &report->entries[i], place.text, notice, err);
     }
-    free(place);
     return status;
+}
+
+/* "folder/name.png" in its parts. The name goes into a script: harmless characters only. */
+static enum rk_status split_path(const char *path, char folder[4096], char name[RK_NAME],
+                                 struct rk_error *err) {
+    const char *slash = strrchr(path, '/');
+    const char *base = slash ? slash + 1 : path;
+    size_t length = strlen(base), before = (size_t)(base - path);
+    bool good = length > 4 && length - 4 < RK_NAME && before < 4096 &&
+                strcmp(base + length - 4, ".png") == 0;
+    for (const char *c = base; *c != '\0'; c++) {
+        good = good && (unsigned char)*c < 0x80 &&
+               (isalnum((unsigned char)*c) || strchr("-_.", *c) != NULL);
+    }
+    if (!good) {
+        return rk_fail(err, RK_EINVALID,
+                       "'%.200s' cannot be the name of a picture: it must end in .png and be made "
+                       "of letters, digits, '-', '_' and '.'",
+                       path);
+    }
+    snprintf(folder, 4096, "%.*s", slash ? (int)before : 1, slash ? path : ".");
+    snprintf(name, RK_NAME, "%.*s", (int)(length - 4), base);
+    return RK_OK;
+}
+
+enum rk_status rk_ldf_plot(const struct rk_result *result, const char *path, struct rk_error *err) {
+    char folder[4096], name[RK_NAME], table[RK_NAME + 8], script[RK_NAME + 8];
+    enum rk_status status = split_path(path, folder, name, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    snprintf(table, sizeof table, "%s.csv", name);
+    snprintf(script, sizeof script, "%s.gp", name);
+    const struct rk_request request = {&rk_analysis_ldf, NULL};
+    const struct rk_report_entry entry = {.request = &request};
+    const struct rk_panel panel = {name, table, result};
+    const struct rk_picture picture = {name, "large-deviation function", "window average", &panel,
+                                       1};
+    struct page page = {
+        .entry = &entry, .result = result, .picture = &picture, .write = write_columns};
+    status = write_file(folder, table, &page, err);
+    if (status == RK_OK) {
+        page.write = write_script;
+        status = write_file(folder, script, &page, err);
+    }
+    return status == RK_OK ? rk_plot_run(folder, script, err) : status;
 }

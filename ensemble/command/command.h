@@ -11,6 +11,7 @@
 #define RK_ENSEMBLE_COMMAND_COMMAND_H
 
 #include "base/error.h"
+#include "ensemble/study.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -58,7 +59,10 @@ struct rk_command {
 };
 
 /* One row a subcommand; main.c lists them. */
+extern const struct rk_command rk_command_analyze;
+extern const struct rk_command rk_command_check;
 extern const struct rk_command rk_command_describe;
+extern const struct rk_command rk_command_ldf;
 extern const struct rk_command rk_command_run;
 extern const struct rk_command rk_command_status;
 
@@ -79,6 +83,11 @@ int rk_complain(const struct rk_error *err);
 
 /* The same for a note that does not end the program: "reckon: warning: ...". */
 void rk_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* Load a study file, or that of a study's folder; says what is wrong and returns the exit code,
+ * RK_EXIT_DONE when *study is there (free with rk_study_free). */
+int rk_command_load_study(const char *path, struct rk_study **study);
+int rk_command_load_folder(const char *folder, struct rk_study **study);
 
 /* Progress and colours are for terminals, and colours not where NO_COLOR is set. */
 bool rk_shows_progress(void);
