@@ -1,6 +1,7 @@
 #include "ensemble/report_index.h"
 #include "ensemble/analysis.h"
 #include "ensemble/index.h"
+#include "ensemble/store.h"
 
 static void write_value(struct rk_h5 *h5, hid_t group, const struct rk_value *value) {
     hsize_t count = value->count;
@@ -58,5 +59,11 @@ static void write_report(struct rk_h5 *h5, void *context) {
 enum rk_status rk_report_index(const struct rk_report *report, const char *folder,
                                struct rk_error *err) {
     struct rk_index_addition addition = {write_report, (void *)(uintptr_t)report};
-    return rk_index_write(folder, report->plan, &addition, err);
+    struct rk_store *store = NULL; /* held so that nobody else writes the index meanwhile */
+    enum rk_status status = rk_store_open(folder, report->plan, &store, err);
+    if (status == RK_OK) {
+        status = rk_index_write(folder, report->plan, &addition, err);
+        rk_store_close(store);
+    }
+    return status;
 }

@@ -9,7 +9,8 @@
 
 #include "ensemble/report.h"
 
-/* Build the folder's study.h5 anew with the report in it. RK_EIO, RK_EMEMORY. */
+/* Build the folder's study.h5 anew with the report in it. RK_ECONFLICT: another program is at work
+ * in the folder, its index is left as it was; RK_EIO, RK_EMEMORY. */
 enum rk_status rk_report_index(const struct rk_report *report, const char *folder,
                                struct rk_error *err);
 
