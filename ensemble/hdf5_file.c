@@ -208,21 +208,28 @@ void rk_h5_note(struct rk_h5 *h5, hid_t object, const char *name, const char *te
     H5Tclose(type);
 }
 
+/* `count` texts in fields of one width, *width being the longest and its NUL; NULL, and an error,
+ * without memory. */
+static char *text_block(struct rk_h5 *h5, const char *const *text, size_t count, size_t *width) {
+    *width = 1;
+    for (size_t i = 0; i < count; i++) {
+        *width = strlen(text[i]) + 1 > *width ? strlen(text[i]) + 1 : *width;
+    }
+    char *block = calloc(count + 1, *width);
+    if (!block && h5->status == RK_OK) {
+        h5->status = rk_fail(h5->err, RK_EMEMORY, "not enough memory to write '%s'", h5->path);
+    }
+    for (size_t i = 0; block && i < count; i++) {
+        memcpy(block + i * *width, text[i], strlen(text[i]));
+    }
+    return block;
+}
+
 void rk_h5_note_text_list(struct rk_h5 *h5, hid_t object, const char *name, const char *const *text,
                           size_t count) {
-    size_t longest = 0;
-    for (size_t i = 0; i < count; i++) {
-        longest = strlen(text[i]) > longest ? strlen(text[i]) : longest;
-    }
-    char *block = calloc(count, longest + 1);
-    if (!block) {
-        h5->status = rk_fail(h5->err, RK_EMEMORY, "not enough memory to write '%s'", h5->path);
-        return;
-    }
-    for (size_t i = 0; i < count; i++) {
-        memcpy(block + i * (longest + 1), text[i], strlen(text[i]));
-    }
-    hid_t type = text_type(longest);
+    size_t width;
+    char *block = text_block(h5, text, count, &width);
+    hid_t type = text_type(width - 1);
     write_attribute(h5, object, name, type, type, count, block);
     H5Tclose(type);
     free(block);
@@ -264,6 +271,25 @@ void rk_h5_text(struct rk_h5 *h5, hid_t parent, const char *name, const char *te
     hid_t type = text_type(strlen(text));
     write_dataset(h5, parent, name, type, type, 0, NULL, text, NULL);
     H5Tclose(type);
+}
+
+void rk_h5_text_list(struct rk_h5 *h5, hid_t parent, const char *name, const char *const *text,
+                     size_t count) {
+    size_t width;
+    char *block = text_block(h5, text, count, &width);
+    hid_t type = text_type(width - 1);
+    hsize_t dims = count;
+    write_dataset(h5, parent, name, type, type, 1, &dims, block, NULL);
+    H5Tclose(type);
+    free(block);
+}
+
+void rk_h5_describe(struct rk_h5 *h5, hid_t parent, const char *name, const char *text) {
+    if (h5->status == RK_OK && text && *text != '\0') {
+        hid_t object = H5Oopen(parent, name, H5P_DEFAULT);
+        rk_h5_note(h5, object, "description", text);
+        rk_h5_release(h5, object);
+    }
 }
 
 hid_t rk_h5_series(struct rk_h5 *h5, hid_t parent, const char *name,

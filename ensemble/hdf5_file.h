@@ -77,6 +77,10 @@ void rk_h5_note_value(struct rk_h5 *h5, hid_t object, const char *name, enum rk_
 void rk_h5_values(struct rk_h5 *h5, hid_t parent, const char *name, enum rk_h5_type type, int rank,
                   const hsize_t *dims, const void *values, const char *unit);
 void rk_h5_text(struct rk_h5 *h5, hid_t parent, const char *name, const char *text);
+void rk_h5_text_list(struct rk_h5 *h5, hid_t parent, const char *name, const char *const *text,
+                     size_t count);
+/* Add a "description" to an object. */
+void rk_h5_describe(struct rk_h5 *h5, hid_t parent, const char *name, const char *text);
 
 /* A chunked dataset that grows along its first dimension in principle, `dims` long in fact, to be
  * written in order with rk_h5_rows, whole chunks at a time. */

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 /* The runs [first, first + count) of a point. */
 struct span {
@@ -140,16 +141,16 @@ static enum rk_status write_file(const char *path, const struct rk_plan *plan,
     return rk_h5_close(&h5);
 }
 
-static enum rk_status publish(const char *partial, const char *path, const struct rk_plan *plan,
-                              struct rk_error *err) {
+/* The seal of an index tells which states it was built from. */
+static struct rk_seal seal_of(const struct rk_plan *plan, const uint8_t *states) {
     const struct rk_run none = {.id = "index"};
     struct rk_seal seal = {.origin = rk_origin_of(plan, &none), .state = RK_SEAL_DONE};
-    memcpy(seal.reason, plan->study->name, sizeof plan->study->name);
-    enum rk_status status = rk_seal_write(partial, &seal, err);
-    return status == RK_OK ? rk_file_publish(partial, path, err) : status;
+    snprintf(seal.reason, sizeof seal.reason, "%s, states %016llx", plan->study->name,
+             (unsigned long long)XXH64(states, plan->count, 0));
+    return seal;
 }
 
-enum rk_status rk_index_write(const char *folder, const struct rk_plan *plan,
+static enum rk_status publish(const char *folder, const struct rk_plan *plan, const uint8_t *states,
                               const struct rk_index_addition *addition, struct rk_error *err) {
     struct rk_path path, partial;
     enum rk_status status = rk_path_set(&path, err, "%s/study.h5", folder);
@@ -159,6 +160,33 @@ enum rk_status rk_index_write(const char *folder, const struct rk_plan *plan,
     if (status != RK_OK) {
         return status;
     }
+    struct rk_h5_guard guard = rk_h5_enter();
+    status = write_file(partial.text, plan, states, addition, err);
+    rk_h5_leave(guard);
+    struct rk_seal seal = seal_of(plan, states);
+    if (status == RK_OK) {
+        status = rk_seal_write(partial.text, &seal, err);
+    }
+    if (status == RK_OK) {
+        status = rk_file_publish(partial.text, path.text, err);
+    }
+    if (status != RK_OK) {
+        remove(partial.text); /* the failure that counts is the one before */
+    }
+    return status;
+}
+
+static bool is_current(const char *folder, const struct rk_plan *plan, const uint8_t *states) {
+    struct rk_path path;
+    struct rk_seal found, expected = seal_of(plan, states);
+    return rk_path_set(&path, NULL, "%s/study.h5", folder) == RK_OK &&
+           rk_seal_verify(path.text, &found, NULL) == RK_OK &&
+           memcmp(&found.origin, &expected.origin, sizeof found.origin) == 0 &&
+           strcmp(found.reason, expected.reason) == 0;
+}
+
+static enum rk_status build(const char *folder, const struct rk_plan *plan, bool unless_current,
+                            const struct rk_index_addition *addition, struct rk_error *err) {
     uint8_t *states = malloc(plan->count + 1);
     if (!states) {
         return rk_fail(err, RK_EMEMORY, "not enough memory to index %zu runs", plan->count);
@@ -166,15 +194,20 @@ enum rk_status rk_index_write(const char *folder, const struct rk_plan *plan,
     for (size_t i = 0; i < plan->count; i++) {
         states[i] = (uint8_t)rk_store_run_state(folder, &plan->runs[i]);
     }
-    struct rk_h5_guard guard = rk_h5_enter();
-    status = write_file(partial.text, plan, states, addition, err);
-    rk_h5_leave(guard);
+    enum rk_status status = RK_OK;
+    if (!unless_current || !is_current(folder, plan, states)) {
+        status = publish(folder, plan, states, addition, err);
+    }
     free(states);
-    if (status == RK_OK) {
-        status = publish(partial.text, path.text, plan, err);
-    }
-    if (status != RK_OK) {
-        remove(partial.text); /* the failure that counts is the one before */
-    }
     return status;
+}
+
+enum rk_status rk_index_write(const char *folder, const struct rk_plan *plan,
+                              const struct rk_index_addition *addition, struct rk_error *err) {
+    return build(folder, plan, false, addition, err);
+}
+
+enum rk_status rk_index_refresh(const char *folder, const struct rk_plan *plan,
+                                struct rk_error *err) {
+    return build(folder, plan, true, NULL, err);
 }

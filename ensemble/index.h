@@ -30,4 +30,9 @@ struct rk_index_addition {
 enum rk_status rk_index_write(const char *folder, const struct rk_plan *plan,
                               const struct rk_index_addition *addition, struct rk_error *err);
 
+/* Build it, without additions, unless the one there is whole and of the runs' present states: then
+ * the analyses in it still hold, and it is left alone. */
+enum rk_status rk_index_refresh(const char *folder, const struct rk_plan *plan,
+                                struct rk_error *err);
+
 #endif

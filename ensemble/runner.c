@@ -263,7 +263,7 @@ enum rk_status rk_runner_run(const struct rk_plan *plan, struct rk_store *store,
     if (status == RK_OK) {
         status = work(&crew, threads, err);
         struct rk_error *why = status == RK_OK ? err : NULL;
-        enum rk_status indexed = rk_index_write(crew.folder, plan, NULL, why);
+        enum rk_status indexed = rk_index_refresh(crew.folder, plan, why);
         status = status == RK_OK ? indexed : status;
         report_on(&crew, report);
     }

@@ -1,6 +1,7 @@
 /* reckon analyze: every analysis that the study of a folder asks for. */
 #include "ensemble/command/command.h"
 #include "ensemble/report.h"
+#include "ensemble/report_index.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,6 +26,14 @@ static enum rk_status carry_out(const char *folder, const struct rk_study *study
     }
     if (status == RK_OK) {
         status = rk_report_write(report, folder, &notice, err);
+    }
+    if (status == RK_OK) {
+        status = rk_report_index(report, folder, err);
+    }
+    if (status == RK_ECONFLICT) {
+        /* The tables are written; the index can wait until the other program has ended. */
+        rk_warn("the analyses are not added to %s/study.h5: %s", folder, err->message);
+        status = RK_OK;
     }
     if (status == RK_OK && json) {
         rk_report_print_json(report, stdout);

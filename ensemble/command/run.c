@@ -155,9 +155,11 @@ static int run_main(const void *values, size_t count, char *const *operands) {
     struct rk_error err = RK_NO_ERROR;
     struct rk_study *study = NULL;
     struct rk_plan *plan = NULL;
-    int code;
-    if (rk_study_load(operands[0], &study, &err) != RK_OK ||
-        rk_plan_create(study, &plan, &err) != RK_OK) {
+    int code = rk_command_load_study(operands[0], &study);
+    if (code != RK_EXIT_DONE) {
+        return code;
+    }
+    if (rk_plan_create(study, &plan, &err) != RK_OK) {
         code = rk_complain(&err);
     } else {
         code = run_plan(o->output ? o->output : study->name, plan, o);

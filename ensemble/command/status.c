@@ -1,6 +1,5 @@
 /* reckon status: how far a study's folder is, from any terminal, touching nothing. */
 #include "ensemble/command/command.h"
-#include "ensemble/files.h"
 #include "ensemble/json.h"
 #include "ensemble/store.h"
 
@@ -83,29 +82,17 @@ static void print_json(const char *folder, const struct rk_plan *plan, const str
     rk_json_close(&json);
 }
 
-/* The study that a folder holds. */
-static enum rk_status load(const char *folder, struct rk_study **study, struct rk_plan **plan,
-                           struct rk_error *err) {
-    struct rk_path path;
-    enum rk_status status = rk_path_set(&path, err, "%s/study.yaml", folder);
-    if (status == RK_OK && !rk_file_exists(path.text)) {
-        return rk_fail(err, RK_EINVALID,
-                       "'%.300s' is not a study's folder: there is no study.yaml in it", folder);
-    }
-    if (status == RK_OK) {
-        status = rk_study_load(path.text, study, err);
-    }
-    return status == RK_OK ? rk_plan_create(*study, plan, err) : status;
-}
-
 static int status_main(const void *values, size_t count, char *const *operands) {
     (void)count;
     const struct status_options *o = values;
     struct rk_error err = RK_NO_ERROR;
     struct rk_study *study = NULL;
     struct rk_plan *plan = NULL;
-    int code = RK_EXIT_DONE;
-    if (load(operands[0], &study, &plan, &err) != RK_OK) {
+    int code = rk_command_load_folder(operands[0], &study);
+    if (code != RK_EXIT_DONE) {
+        return code;
+    }
+    if (rk_plan_create(study, &plan, &err) != RK_OK) {
         code = rk_complain(&err);
     } else {
         struct tally tally = tally_of(operands[0], plan);
