@@ -2,7 +2,7 @@
 
 #define FIELD(type, name) .offset = offsetof(struct type, name)
 
-const struct rk_param rk_rate_params[] = {
+const struct rk_param rk_rate_params[RK_RATE_PARAMS] = {
     {.name = "from",
      .type = RK_PARAM_COUNT,
      FIELD(rk_rate_options, from),
@@ -28,9 +28,8 @@ const struct rk_param rk_rate_params[] = {
      .high = 0.999,
      .doc = "probability that an interval is to cover"},
 };
-const size_t rk_rate_param_count = sizeof rk_rate_params / sizeof *rk_rate_params;
 
-const struct rk_param rk_ldf_params[] = {
+const struct rk_param rk_ldf_params[RK_LDF_PARAMS] = {
     {.name = "window",
      .type = RK_PARAM_COUNT,
      FIELD(rk_ldf_options, window),
@@ -82,4 +81,3 @@ const struct rk_param rk_ldf_params[] = {
      .high = 10001,
      .doc = "points of the curve, an odd number"},
 };
-const size_t rk_ldf_param_count = sizeof rk_ldf_params / sizeof *rk_ldf_params;

@@ -122,8 +122,8 @@ struct rk_rate_options {
     uint64_t from, to; /* to = 0: the end */
     double level;
 };
-extern const struct rk_param rk_rate_params[];
-extern const size_t rk_rate_param_count;
+enum { RK_RATE_PARAMS = 3 };
+extern const struct rk_param rk_rate_params[RK_RATE_PARAMS];
 
 struct rk_rate {
     struct rk_interval rate;
@@ -159,8 +159,8 @@ struct rk_ldf_options {
     double level;         /* of every interval, 0.5 to 0.999 */
     double k_low, k_high; /* the range of k, k_low < 0 < k_high; both 0: chosen from the data */
 };
-extern const struct rk_param rk_ldf_params[];
-extern const size_t rk_ldf_param_count;
+enum { RK_LDF_PARAMS = 6 };
+extern const struct rk_param rk_ldf_params[RK_LDF_PARAMS];
 
 enum rk_ldf_warning {
     RK_LDF_DRIFTS = 1,     /* the first and the second half of the time differ: not stationary */

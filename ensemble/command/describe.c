@@ -1,0 +1,330 @@
+/* reckon describe: every case, piece and parameter, from the tables that the program itself uses.
+ */
+#include "cases/cases.h"
+#include "ensemble/analysis.h"
+#include "ensemble/command/command.h"
+#include "ensemble/json.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct describe_options {
+    bool json;
+};
+
+static const struct rk_registry *const registries[] = {
+    &rk_case_registry,      &rk_analysis_registry, &rk_law_registry,
+    &rk_friction_registry,  &rk_tension_registry,  &rk_drive_registry,
+    &rk_neighbour_registry, &rk_kernel_registry,   &rk_probe_registry,
+};
+enum { REGISTRIES = sizeof registries / sizeof *registries };
+
+/* The parameters of a case or an analysis, NULL for other kinds. */
+static const struct rk_param_table *table_of(const struct rk_registry *registry,
+                                             const struct rk_piece *piece) {
+    if (registry == &rk_case_registry) {
+        return ((const struct rk_case *)piece)->params;
+    }
+    if (registry == &rk_analysis_registry) {
+        return ((const struct rk_analysis *)piece)->params;
+    }
+    return NULL;
+}
+
+static void default_of(const struct rk_param_table *table, struct rk_param_ref ref,
+                       char text[RK_PARAM_TEXT]) {
+    void *values = calloc(1, table->size);
+    text[0] = '\0';
+    if (values) {
+        rk_param_defaults(table, values);
+        rk_param_text(ref, values, text);
+        free(values);
+    }
+}
+
+static const char *type_name(enum rk_param_type type) {
+    static const char *const names[] = {"real", "count", "flag", "name"};
+    return names[type];
+}
+
+/* ---- In words ------------------------------------------------------------------------------ */
+
+static void print_param(const struct rk_param_table *table, struct rk_param_ref ref) {
+    char path[RK_PARAM_PATH], text[RK_PARAM_TEXT], range[256];
+    rk_param_path(ref, path);
+    default_of(table, ref, text);
+    rk_param_range(ref.row, range, sizeof range);
+    printf("  %-22s %s\n  %-22s default %s%s%s, %s\n", path, ref.row->doc, "", text,
+           ref.row->unit[0] != '\0' ? " " : "", ref.row->unit, range);
+}
+
+static void print_piece(const struct rk_registry *registry, const struct rk_piece *piece) {
+    printf("%s (%s): %s\n", piece->name, registry->kind, piece->doc);
+    const struct rk_param_table *table = table_of(registry, piece);
+    size_t total = table ? rk_param_total(table) : 0;
+    if (total > 0) {
+        printf("\nparameters\n");
+    }
+    for (size_t i = 0; i < total; i++) {
+        print_param(table, rk_param_at(table, i));
+    }
+    if (registry == &rk_probe_registry) {
+        const struct rk_probe *probe = (const struct rk_probe *)piece;
+        printf("\ncolumns\n");
+        for (size_t i = 0; i < probe->count; i++) {
+            const struct rk_probe_column *column = &probe->columns[i];
+            printf("  %-22s %s%s%s%s\n", column->name, column->doc,
+                   column->unit[0] != '\0' ? " [" : "", column->unit,
+                   column->unit[0] != '\0' ? "]" : "");
+        }
+    }
+}
+
+static void print_registry(const struct rk_registry *registry) {
+    printf("%s: %s\n", registry->kind, registry->doc);
+    for (size_t i = 0; i < registry->count; i++) {
+        printf("  %-16s %s\n", registry->pieces[i]->name, registry->pieces[i]->doc);
+    }
+}
+
+/* ---- For machines -------------------------------------------------------------------------- */
+
+static void json_param(struct rk_json *json, const struct rk_param_table *table,
+                       struct rk_param_ref ref) {
+    char path[RK_PARAM_PATH], text[RK_PARAM_TEXT];
+    rk_param_path(ref, path);
+    default_of(table, ref, text);
+    rk_json_open_map(json, NULL);
+    rk_json_text(json, "name", path);
+    rk_json_text(json, "type", type_name(ref.row->type));
+    rk_json_text(json, "unit", ref.row->unit);
+    rk_json_text(json, "default", text);
+    if (ref.row->type == RK_PARAM_PIECE) {
+        rk_json_open_list(json, "choices");
+        for (size_t i = 0; i < ref.row->choices->count; i++) {
+            rk_json_text(json, NULL, ref.row->choices->pieces[i]->name);
+        }
+        rk_json_close(json);
+    } else if (ref.row->type != RK_PARAM_FLAG) {
+        rk_json_number(json, "low", ref.row->low);
+        rk_json_flag(json, "low_included", !ref.row->above_low);
+        rk_json_number(json, "high", ref.row->high);
+    }
+    rk_json_text(json, "doc", ref.row->doc);
+    rk_json_close(json);
+}
+
+static void json_piece(struct rk_json *json, const struct rk_registry *registry,
+                       const struct rk_piece *piece) {
+    rk_json_open_map(json, NULL);
+    rk_json_text(json, "name", piece->name);
+    rk_json_text(json, "kind", registry->kind);
+    rk_json_text(json, "doc", piece->doc);
+    const struct rk_param_table *table = table_of(registry, piece);
+    if (table) {
+        rk_json_open_list(json, "parameters");
+        for (size_t i = 0; i < rk_param_total(table); i++) {
+            json_param(json, table, rk_param_at(table, i));
+        }
+        rk_json_close(json);
+    }
+    if (registry == &rk_probe_registry) {
+        const struct rk_probe *probe = (const struct rk_probe *)piece;
+        rk_json_open_list(json, "columns");
+        for (size_t i = 0; i < probe->count; i++) {
+            rk_json_open_map(json, NULL);
+            rk_json_text(json, "name", probe->columns[i].name);
+            rk_json_text(json, "unit", probe->columns[i].unit);
+            rk_json_text(json, "doc", probe->columns[i].doc);
+            rk_json_close(json);
+        }
+        rk_json_close(json);
+    }
+    rk_json_close(json);
+}
+
+static void json_registry(struct rk_json *json, const struct rk_registry *registry) {
+    rk_json_open_map(json, NULL);
+    rk_json_text(json, "kind", registry->kind);
+    rk_json_text(json, "doc", registry->doc);
+    rk_json_open_list(json, "pieces");
+    for (size_t i = 0; i < registry->count; i++) {
+        json_piece(json, registry, registry->pieces[i]);
+    }
+    rk_json_close(json);
+    rk_json_close(json);
+}
+
+/* ---- Finding what a name means --------------------------------------------------------------- */
+
+/* Print everything of that name: a name may be used for a law and for an analysis. */
+static size_t describe_pieces(const char *name, struct rk_json *json) {
+    size_t found = 0;
+    for (size_t r = 0; r < REGISTRIES; r++) {
+        const struct rk_registry *registry = registries[r];
+        const struct rk_piece *piece = rk_registry_find(registry, name);
+        bool kind = strcmp(registry->kind, name) == 0;
+        if (!piece && !kind) {
+            continue;
+        }
+        if (!json && found > 0) {
+            printf("\n");
+        }
+        found++;
+        if (json && piece) {
+            json_piece(json, registry, piece);
+        } else if (json) {
+            json_registry(json, registry);
+        } else if (piece) {
+            print_piece(registry, piece);
+        } else {
+            print_registry(registry);
+        }
+    }
+    return found;
+}
+
+/* The same for parameters: "contact.kn" of every case that has one, "ldf.window" too. */
+static size_t describe_params(const char *name, struct rk_json *json) {
+    size_t found = 0;
+    for (size_t r = 0; r < REGISTRIES; r++) {
+        for (size_t i = 0; i < registries[r]->count; i++) {
+            const struct rk_piece *piece = registries[r]->pieces[i];
+            const struct rk_param_table *table = table_of(registries[r], piece);
+            size_t length = strlen(piece->name);
+            const char *path = name;
+            if (strncmp(name, piece->name, length) == 0 && name[length] == '.') {
+                path = name + length + 1;
+            }
+            struct rk_param_ref ref =
+                table ? rk_param_find(table, path) : (struct rk_param_ref){NULL, NULL};
+            if (!ref.row) {
+                continue;
+            }
+            found++;
+            if (json) {
+                json_param(json, table, ref);
+            } else {
+                printf("parameter of %s %s\n", registries[r]->kind, piece->name);
+                print_param(table, ref);
+            }
+        }
+    }
+    return found;
+}
+
+/* Every name there is, to find the nearest. */
+struct names {
+    char (*text)[RK_PARAM_PATH];
+    size_t count;
+};
+
+static const char *name_at(const void *list, size_t i) {
+    return ((const struct names *)list)->text[i];
+}
+
+static void add_name(struct names *names, const char *name) {
+    char(*text)[RK_PARAM_PATH] = realloc(names->text, (names->count + 1) * sizeof *text);
+    if (text) {
+        names->text = text;
+        snprintf(text[names->count++], RK_PARAM_PATH, "%s", name);
+    }
+}
+
+static int unknown(const char *name) {
+    struct names names = {NULL, 0};
+    for (size_t r = 0; r < REGISTRIES; r++) {
+        add_name(&names, registries[r]->kind);
+        for (size_t i = 0; i < registries[r]->count; i++) {
+            const struct rk_piece *piece = registries[r]->pieces[i];
+            const struct rk_param_table *table = table_of(registries[r], piece);
+            add_name(&names, piece->name);
+            for (size_t p = 0; table && p < rk_param_total(table); p++) {
+                char path[RK_PARAM_PATH];
+                rk_param_path(rk_param_at(table, p), path);
+                add_name(&names, path);
+            }
+        }
+    }
+    const char *nearest = rk_nearest_name(name, names.count, name_at, &names);
+    struct rk_error err = RK_NO_ERROR;
+    rk_fail(&err, RK_EINVALID, "nothing is called '%.96s'%s%s%s", name,
+            nearest ? "; did you mean '" : "; 'reckon describe' lists what there is",
+            nearest ? nearest : "", nearest ? "'?" : "");
+    int code = rk_complain(&err);
+    free(names.text);
+    return code;
+}
+
+static void describe_all(bool as_json) {
+    struct rk_json json = rk_json_of(stdout);
+    if (as_json) {
+        rk_json_open_list(&json, NULL);
+    }
+    for (size_t r = 0; r < REGISTRIES; r++) {
+        if (as_json) {
+            json_registry(&json, registries[r]);
+        } else {
+            printf("%s", r ? "\n" : "");
+            print_registry(registries[r]);
+        }
+    }
+    if (as_json) {
+        rk_json_close(&json);
+    } else {
+        printf("\n'reckon describe NAME' says more: of a case, an analysis, a parameter like "
+               "contact.kn\n");
+    }
+}
+
+static int describe(const void *options, size_t count, char *const *operands) {
+    bool as_json = ((const struct describe_options *)options)->json;
+    if (count == 0) {
+        describe_all(as_json);
+        return RK_EXIT_DONE;
+    }
+    /* The JSON is put together first: nothing is printed about a name that does not exist. */
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out) {
+        struct rk_error err = RK_NO_ERROR;
+        rk_fail(&err, RK_EMEMORY, "out of memory");
+        return rk_complain(&err);
+    }
+    struct rk_json json = rk_json_of(out);
+    rk_json_open_list(&json, NULL);
+    size_t found = describe_pieces(operands[0], as_json ? &json : NULL);
+    found += describe_params(operands[0], as_json ? &json : NULL);
+    rk_json_close(&json);
+    fclose(out);
+    if (found > 0 && as_json) {
+        fputs(text, stdout);
+    }
+    free(text);
+    return found > 0 ? RK_EXIT_DONE : unknown(operands[0]);
+}
+
+static const struct rk_option options[] = {
+    {.name = "json",
+     .type = RK_OPTION_FLAG,
+     .offset = offsetof(struct describe_options, json),
+     .doc = "for machines"},
+};
+
+const struct rk_command rk_command_describe = {
+    .name = "describe",
+    .summary = "every case, law, probe, analysis and parameter",
+    .usage = "[NAME] [--json]",
+    .about = "Without NAME: what there is to choose from. With the name of a case or an analysis:\n"
+             "its parameters with default, unit and range. With the name of a kind (friction), of\n"
+             "one of its members (cundall-strack) or of a parameter (contact.kn): that.",
+    .options = options,
+    .option_count = sizeof options / sizeof *options,
+    .size = sizeof(struct describe_options),
+    .operands_max = 1,
+    .example = "reckon describe bne",
+    .main = describe,
+};

@@ -1,0 +1,367 @@
+/* reckon ldf: the large-deviation function of a point of a study, of any HDF5 dataset or of any
+ * column of a CSV file. */
+#include "ensemble/analysis_ldf.h"
+#include "ensemble/command/command.h"
+#include "ensemble/dataset.h"
+#include "ensemble/json.h"
+#include "ensemble/report.h"
+#include "ensemble/table.h"
+
+#include "ensemble/plot.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+struct ldf_options {
+    const char *column, *replica, *point, *observable;
+    bool integral, json, csv;
+    uint64_t window, from, to, points, bootstrap, seed;
+    double interval, level, k_low, k_high;
+    const char *plot;
+};
+
+/* What is analysed, and how its numbers are called. */
+struct input {
+    struct rk_samples samples;
+    double interval;
+    bool integral;
+    uint64_t scale; /* intervals in the unit that window, from and to are given in */
+    struct rk_ldf_units units;
+    struct rk_stream stream;
+};
+
+static bool is_folder(const char *path) {
+    struct stat about;
+    return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
+}
+
+/* "file.h5:/path/to/dataset": where the path begins, or NULL. */
+static const char *dataset_in(const char *operand) {
+    struct stat about;
+    const char *found = NULL;
+    for (const char *c = operand; (c = strstr(c, ":/")) != NULL; c++) {
+        found = c + 1;
+    }
+    return found && stat(operand, &about) != 0 ? found : NULL;
+}
+
+static enum rk_status read_file(const char *operand, const struct ldf_options *o,
+                                struct input *input, struct rk_error *err) {
+    const char *path = dataset_in(operand);
+    *input = (struct input){.interval = o->interval,
+                            .integral = o->integral,
+                            .scale = 1,
+                            .units = {"", "", "", ""},
+                            .stream = rk_stream_of(o->seed, 0, 0, RK_FOR_BOOTSTRAP, 0)};
+    if (!path) {
+        const struct rk_table_request request = {o->column, o->replica, 0};
+        return rk_table_read(operand, &request, &input->samples, err);
+    }
+    if (o->column || o->replica) {
+        return rk_fail(err, RK_EINVALID, "--column and --replica are for CSV files");
+    }
+    char *file = strndup(operand, (size_t)(path - 1 - operand));
+    if (!file) {
+        return rk_fail(err, RK_EMEMORY, "out of memory");
+    }
+    enum rk_status status = rk_dataset_read(file, path, &input->samples, err);
+    free(file);
+    return status;
+}
+
+static const char *point_name(const void *list, size_t i) {
+    return ((const struct rk_point *)list)[i].name;
+}
+
+static enum rk_status find_point(const struct rk_study *study, const char *name, size_t *index,
+                                 struct rk_error *err) {
+    if (!name && study->point_count == 1) {
+        *index = 0;
+        return RK_OK;
+    }
+    if (!name) {
+        return rk_fail(err, RK_EINVALID, "the study has %zu points; say which one: --point %s",
+                       study->point_count, study->points[0].name);
+    }
+    for (size_t i = 0; i < study->point_count; i++) {
+        if (strcmp(study->points[i].name, name) == 0) {
+            *index = i;
+            return RK_OK;
+        }
+    }
+    const char *nearest = rk_nearest_name(name, study->point_count, point_name, study->points);
+    return rk_fail(err, RK_EINVALID, "the study has no point '%.64s'%s%s%s", name,
+                   nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+}
+
+static void warn(void *context, const char *line) {
+    (void)context;
+    rk_warn("%s", line);
+}
+
+static enum rk_status read_folder(const char *folder, const struct rk_study *study,
+                                  const struct ldf_options *o, struct input *input,
+                                  struct rk_error *err) {
+    const struct rk_notice notice = {warn, NULL};
+    struct rk_plan *plan = NULL;
+    struct rk_gathered g = {0};
+    size_t p = 0;
+    enum rk_status status = find_point(study, o->point, &p, err);
+    if (status == RK_OK) {
+        status = rk_plan_create(study, &plan, err);
+    }
+    if (status == RK_OK) {
+        status = rk_gather(folder, plan, p, o->observable, &notice, &g, err);
+    }
+    if (status == RK_OK && g.done == 0) {
+        status = rk_fail(err, RK_EIO, "no run of point '%s' is done yet", study->points[p].name);
+    }
+    if (status == RK_OK) {
+        struct rk_schedule schedule = study->scene->schedule(study->points[p].params);
+        *input = (struct input){
+            .samples = {g.values, g.lengths, g.done, g.samples},
+            .interval = g.interval,
+            .integral = o->integral || strcmp(o->observable, RK_REPORT_OBSERVABLE) == 0,
+            .scale = schedule.samples_per_period,
+            .units = {"", "sqrt(d/g)", "", ""},
+            .stream = rk_stream_of(study->seed, study->points[p].key, 0, RK_FOR_BOOTSTRAP, 0)};
+        g.values = NULL;
+        g.lengths = NULL;
+    }
+    rk_gathered_clear(&g);
+    rk_plan_free(plan);
+    return status;
+}
+
+static enum rk_status estimate(const struct ldf_options *o, const struct input *input,
+                               struct rk_result *result, struct rk_error *err) {
+    const struct rk_samples *s = &input->samples;
+    struct rk_series series = {s->values,  s->replicas, s->samples,
+                               s->samples, s->lengths,  input->interval};
+    struct rk_ldf_options options = {
+        .window = o->window * input->scale,
+        .from = o->from * input->scale,
+        .to = o->to * input->scale,
+        .bootstrap = o->bootstrap,
+        .points = o->points,
+        .level = o->level,
+        .k_low = isnan(o->k_low) ? 0 : o->k_low,
+        .k_high = isnan(o->k_high) ? 0 : o->k_high,
+    };
+    struct rk_ldf *ldf;
+    enum rk_status status =
+        rk_ldf_estimate(&ldf, &series, input->integral ? RK_SERIES_INTEGRAL : RK_SERIES_RATE,
+                        &options, &input->stream, err);
+    if (status == RK_OK) {
+        rk_ldf_fill(result, ldf, &input->units);
+        rk_ldf_free(ldf);
+        if (result->short_of_memory) {
+            status = rk_fail(err, RK_EMEMORY, "out of memory");
+        }
+    }
+    return status;
+}
+
+static void print(const struct ldf_options *o, const struct input *input,
+                  const struct rk_result *result) {
+    if (o->json) {
+        struct rk_json json = rk_json_of(stdout);
+        rk_json_open_map(&json, NULL);
+        rk_json_count(&json, "replicas", input->samples.replicas);
+        rk_json_number(&json, "interval", input->interval);
+        rk_json_flag(&json, "integral", input->integral);
+        rk_result_write_json(result, &json);
+        rk_json_close(&json);
+    } else if (o->csv) {
+        rk_result_write_csv(result, stdout);
+    } else {
+        rk_ldf_print(result, stdout);
+    }
+}
+
+static int analyse(const char *operand, const struct ldf_options *o, struct input *input) {
+    struct rk_error err = RK_NO_ERROR;
+    struct rk_result result;
+    int code = RK_EXIT_DONE;
+    rk_result_init(&result);
+    enum rk_status status = estimate(o, input, &result, &err);
+    if (status == RK_OK && o->plot) {
+        status = rk_ldf_plot(&result, o->plot, &err);
+    }
+    if (status == RK_OK) {
+        print(o, input, &result);
+    } else {
+        rk_error_locate(&err, "%s", operand);
+        code = rk_complain(&err);
+    }
+    rk_result_clear(&result);
+    return code;
+}
+
+static int ldf(const void *options, size_t count, char *const *operands) {
+    (void)count;
+    const struct ldf_options *o = options;
+    const char *operand = operands[0];
+    struct rk_error err = RK_NO_ERROR;
+    struct input input = {0};
+    struct rk_study *study = NULL;
+    enum rk_status status;
+    if (is_folder(operand)) {
+        int code = rk_command_load_folder(operand, &study);
+        if (code != RK_EXIT_DONE) {
+            return code;
+        }
+        status = read_folder(operand, study, o, &input, &err);
+        rk_error_locate(&err, "%s", operand);
+    } else {
+        status = read_file(operand, o, &input, &err);
+    }
+    int code = RK_EXIT_DONE;
+    if (status != RK_OK) {
+        code = rk_complain(&err);
+        code = err.status == RK_EIO && !study ? RK_EXIT_USAGE : code;
+    } else {
+        code = analyse(operand, o, &input);
+    }
+    rk_samples_clear(&input.samples);
+    rk_study_free(study);
+    return code;
+}
+
+#define AT(member) .offset = offsetof(struct ldf_options, member)
+
+static const struct rk_option options[] = {
+    {.name = "window",
+     .letter = 'w',
+     .type = RK_OPTION_COUNT,
+     AT(window),
+     .argument = "N",
+     .fallback = "5",
+     .low = 1,
+     .high = 1e9,
+     .doc = "length of the windows: samples, or periods of a study"},
+    {.name = "from",
+     .type = RK_OPTION_COUNT,
+     AT(from),
+     .argument = "N",
+     .fallback = "0",
+     .high = 1e9,
+     .doc = "leave out what is before (in the same unit)"},
+    {.name = "to",
+     .type = RK_OPTION_COUNT,
+     AT(to),
+     .argument = "N",
+     .fallback = "0",
+     .high = 1e9,
+     .doc = "leave out what is after; 0 is the end"},
+    {.name = "integral",
+     .letter = 'i',
+     .type = RK_OPTION_FLAG,
+     AT(integral),
+     .doc = "the data are the observable's integral in time (a height for a velocity)"},
+    {.name = "interval",
+     .type = RK_OPTION_REAL,
+     AT(interval),
+     .argument = "T",
+     .fallback = "1",
+     .low = 1e-300,
+     .high = 1e300,
+     .doc = "time between two samples of a file"},
+    {.name = "column",
+     .letter = 'c',
+     .type = RK_OPTION_TEXT,
+     AT(column),
+     .argument = "NAME",
+     .doc = "column of a CSV file, by name or number"},
+    {.name = "replica",
+     .letter = 'r',
+     .type = RK_OPTION_TEXT,
+     AT(replica),
+     .argument = "NAME",
+     .doc = "column that says which replica a row is of"},
+    {.name = "point",
+     .letter = 'p',
+     .type = RK_OPTION_TEXT,
+     AT(point),
+     .argument = "NAME",
+     .doc = "point of a study"},
+    {.name = "observable",
+     .type = RK_OPTION_TEXT,
+     AT(observable),
+     .argument = "NAME",
+     .fallback = RK_REPORT_OBSERVABLE,
+     .doc = "of a study"},
+    {.name = "points",
+     .type = RK_OPTION_COUNT,
+     AT(points),
+     .argument = "N",
+     .fallback = "81",
+     .low = 5,
+     .high = 10001,
+     .doc = "points of the curve, an odd number"},
+    {.name = "k-low",
+     .type = RK_OPTION_REAL,
+     AT(k_low),
+     .argument = "K",
+     .low = -1e300,
+     .high = 0,
+     .doc = "range of the tilt; chosen from the data otherwise"},
+    {.name = "k-high",
+     .type = RK_OPTION_REAL,
+     AT(k_high),
+     .argument = "K",
+     .low = 0,
+     .high = 1e300,
+     .doc = "likewise"},
+    {.name = "bootstrap",
+     .type = RK_OPTION_COUNT,
+     AT(bootstrap),
+     .argument = "N",
+     .fallback = "1000",
+     .low = 100,
+     .high = 1e6,
+     .doc = "resamplings behind the intervals"},
+    {.name = "level",
+     .type = RK_OPTION_REAL,
+     AT(level),
+     .argument = "P",
+     .fallback = "0.95",
+     .low = 0.5,
+     .high = 0.999,
+     .doc = "probability that an interval is to cover"},
+    {.name = "seed",
+     .type = RK_OPTION_COUNT,
+     AT(seed),
+     .argument = "N",
+     .fallback = "1",
+     .high = 0x1p64,
+     .doc = "of the resampling of a file's data"},
+    {.name = "plot",
+     .type = RK_OPTION_TEXT,
+     AT(plot),
+     .argument = "FILE.png",
+     .doc = "picture, its script (.gp) and table (.csv) beside it"},
+    {.name = "json", .type = RK_OPTION_FLAG, AT(json), .doc = "everything as JSON"},
+    {.name = "csv", .type = RK_OPTION_FLAG, AT(csv), .doc = "the curve as CSV"},
+};
+
+const struct rk_command rk_command_ldf = {
+    .name = "ldf",
+    .summary = "large-deviation function of a study, an HDF5 dataset or a CSV column",
+    .usage = "DIR --point NAME | FILE.h5:/DATASET | FILE.csv [OPTIONS]",
+    .about =
+        "Averages the data over windows and estimates how improbable each average is,\n"
+        "p(A = a) ~ exp(-tau I(a)), with intervals from resampling whole replicas. What the\n"
+        "data cannot support is refused. A dataset has one dimension (time) or two (replica x\n"
+        "time).",
+    .options = options,
+    .option_count = sizeof options / sizeof *options,
+    .size = sizeof(struct ldf_options),
+    .operands_min = 1,
+    .operands_max = 1,
+    .example = "reckon ldf heights.csv --column height --replica run --integral --window 20",
+    .main = ldf,
+};

@@ -1,0 +1,188 @@
+/* reckon run: carry out what is missing of a study. */
+#include "ensemble/command/command.h"
+#include "ensemble/command/progress.h"
+#include "ensemble/runner.h"
+#include "ensemble/store.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { REASONS_SHOWN = 5 };
+
+struct run_options {
+    const char *output;
+    uint64_t threads;
+    double checkpoint;
+    bool quiet;
+};
+
+static const struct rk_option options[] = {
+    {.name = "output",
+     .letter = 'o',
+     .type = RK_OPTION_TEXT,
+     .offset = offsetof(struct run_options, output),
+     .argument = "DIR",
+     .doc = "the study's folder, made if need be (default: the study's name)"},
+    {.name = "threads",
+     .letter = 'j',
+     .type = RK_OPTION_COUNT,
+     .offset = offsetof(struct run_options, threads),
+     .argument = "N",
+     .low = 1,
+     .high = 4096,
+     .doc = "replicas at a time (default: one a core); changes no result"},
+    {.name = "checkpoint",
+     .type = RK_OPTION_REAL,
+     .offset = offsetof(struct run_options, checkpoint),
+     .argument = "SECONDS",
+     .fallback = "30",
+     .low = 0,
+     .high = 1e6,
+     .doc = "time between two checkpoints of a replica; changes no result"},
+    {.name = "quiet",
+     .letter = 'q',
+     .type = RK_OPTION_FLAG,
+     .offset = offsetof(struct run_options, quiet),
+     .doc = "no progress and no summary, only what goes wrong"},
+};
+
+/* Signals reach a program through a global or not at all. */
+static volatile sig_atomic_t stop_wanted;
+
+static void on_signal(int number) {
+    (void)number;
+    static const char text[] = "\nstopping: what runs is being kept (once more to end at once)\n";
+    stop_wanted = 1;
+    ssize_t ignored = write(STDERR_FILENO, text, sizeof text - 1);
+    (void)ignored;
+}
+
+/* The first signal asks, a second one ends the program: no result can be hurt by that. A full disk
+ * or a quota is an error of a write, not a signal. */
+static void catch_signals(void) {
+    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)SA_RESETHAND | SA_RESTART};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+    signal(SIGXFSZ, SIG_IGN);
+}
+
+static bool stop(void *context) {
+    (void)context;
+    return stop_wanted != 0;
+}
+
+/* `context` is a bool: is there a progress line? */
+static void message(void *context, const char *line) {
+    if (*(const bool *)context) {
+        rk_progress_clear();
+    }
+    rk_warn("%s", line);
+}
+
+static void progress(void *context, const struct rk_progress *p) {
+    (void)context;
+    rk_progress_draw(p);
+}
+
+static void list_reasons(const char *folder, const struct rk_plan *plan, size_t failed) {
+    size_t shown = 0;
+    for (size_t i = 0; i < plan->count && shown < REASONS_SHOWN && shown < failed; i++) {
+        char reason[512];
+        if (rk_store_run_reason(folder, &plan->runs[i], reason) == RK_RUN_FAILED) {
+            rk_warn("run %s failed: %s", plan->runs[i].id, reason);
+            shown++;
+        }
+    }
+    if (failed > shown) {
+        rk_warn("%zu more failed; 'reckon status %s' lists them", failed - shown, folder);
+    }
+}
+
+static int summarise(const char *folder, const struct rk_plan *plan,
+                     const struct rk_run_report *report, bool quiet) {
+    if (!quiet) {
+        printf("%s: %zu of %zu runs done, %zu failed, %zu missing\n", folder, report->done,
+               plan->count, report->failed, report->missing);
+    }
+    list_reasons(folder, plan, report->failed);
+    if (report->missing > 0) {
+        if (!quiet) {
+            printf("next: the same command again goes on from here\n");
+        }
+        return RK_EXIT_INTERRUPTED;
+    }
+    if (!quiet && report->done > 0) {
+        printf("next: reckon analyze %s\n", folder);
+    }
+    return report->failed > 0 ? RK_EXIT_REPLICAS : RK_EXIT_DONE;
+}
+
+static int run_plan(const char *folder, const struct rk_plan *plan, const struct run_options *o) {
+    struct rk_store *store = NULL;
+    struct rk_error err = RK_NO_ERROR;
+    struct rk_run_report report = {0};
+    catch_signals();
+    if (rk_store_open(folder, plan, &store, &err) != RK_OK) {
+        return rk_complain(&err);
+    }
+    bool shows = !o->quiet && rk_shows_progress();
+    struct rk_runner_options runner = {.threads = (int)o->threads,
+                                       .checkpoint_every = o->checkpoint,
+                                       .stop = stop,
+                                       .progress = shows ? progress : NULL,
+                                       .message = message,
+                                       .context = &shows};
+    enum rk_status status = rk_runner_run(plan, store, &runner, &report, &err);
+    rk_store_close(store);
+    if (shows) {
+        rk_progress_clear();
+    }
+    if (status == RK_OK || status == RK_EINTERRUPTED) {
+        return summarise(folder, plan, &report, o->quiet);
+    }
+    list_reasons(folder, plan, report.failed);
+    rk_complain(&err);
+    return RK_EXIT_FAILED;
+}
+
+static int run_main(const void *values, size_t count, char *const *operands) {
+    (void)count;
+    const struct run_options *o = values;
+    struct rk_error err = RK_NO_ERROR;
+    struct rk_study *study = NULL;
+    struct rk_plan *plan = NULL;
+    int code = rk_command_load_study(operands[0], &study);
+    if (code != RK_EXIT_DONE) {
+        return code;
+    }
+    if (rk_plan_create(study, &plan, &err) != RK_OK) {
+        code = rk_complain(&err);
+    } else {
+        code = run_plan(o->output ? o->output : study->name, plan, o);
+    }
+    rk_plan_free(plan);
+    rk_study_free(study);
+    return code;
+}
+
+const struct rk_command rk_command_run = {
+    .name = "run",
+    .summary = "carry out a study: start it, resume it, extend it",
+    .usage = "STUDY [-o DIR]",
+    .about = "Carries out the replicas that are missing in the study's folder, one a core, the\n"
+             "longest first. Ctrl-C keeps what is done and lets running replicas write a\n"
+             "checkpoint; the same command goes on from there, also after a power cut, with the\n"
+             "same bytes in the end. More replicas in the study file are added to those there.\n"
+             "Exit codes: 0 all done, 3 some replicas failed, 130 stopped, 1 an error of the disk.",
+    .options = options,
+    .option_count = sizeof options / sizeof *options,
+    .size = sizeof(struct run_options),
+    .operands_min = 1,
+    .operands_max = 1,
+    .example = "reckon run cases/bne/quickstart.yaml -o out --threads 2",
+    .main = run_main,
+};

@@ -1,0 +1,159 @@
+"""Runs that are killed, stopped, damaged and resumed end with the bytes of an undisturbed run.
+
+Usage: crash.py RECKON STUDY. The moments of the kills come from a fixed seed; where they fall in a
+run depends on the machine, which is the point.
+"""
+import json
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+RECKON, STUDY = sys.argv[1], pathlib.Path(sys.argv[2])
+MOST_KILLS = 400
+
+
+def command(folder, *more, study=STUDY):
+    return [RECKON, "run", str(study), "-o", str(folder), *more]
+
+
+def run(folder, *more, study=STUDY, code=0):
+    done = subprocess.run(command(folder, *more, study=study), capture_output=True, text=True)
+    assert done.returncode == code, (folder, done.returncode, done.stdout, done.stderr)
+    return done
+
+
+def status(folder):
+    done = subprocess.run([RECKON, "status", str(folder), "--json"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def contents(folder):
+    """All that is to be the same: everything but the lock, which names a process."""
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.name != "lock"
+    }
+
+
+def expect_same(first, second):
+    a, b = contents(first), contents(second)
+    assert a.keys() == b.keys(), (sorted(a), sorted(b))
+    assert all(a[name] == b[name] for name in a), [name for name in a if a[name] != b[name]]
+
+
+def finished_are_whole(folder, reference):
+    """Whatever has its final name has its final bytes."""
+    for path in (folder / "runs").glob("*.h5"):
+        assert path.read_bytes() == (reference / "runs" / path.name).read_bytes(), path
+
+
+def killed_at_any_moment(work, reference):
+    folder, draw = work / "killed", random.Random(2021)
+    kills = resumed = 0
+    for threads in draw.choices("12", k=MOST_KILLS):
+        process = subprocess.Popen(
+            command(folder, "--threads", threads, "--checkpoint", "0.01", "--quiet")
+        )
+        # Now and then early, to hit the making of the folder and the review of what is there.
+        time.sleep(draw.choice([0.02, 0.3, 0.3]) * draw.random())
+        process.kill()
+        if process.wait() == 0:
+            break
+        kills += 1
+        if (folder / "runs").exists():
+            finished_are_whole(folder, reference)
+        if (folder / "study.yaml").exists():
+            resumed += status(folder)["started"] > 0
+    else:
+        raise AssertionError(f"not done after {kills} kills")
+    expect_same(folder, reference)
+    assert kills >= 5 and resumed >= 3, (kills, resumed)
+    print(f"killed {kills} times, resumed from a checkpoint {resumed} times: the same bytes")
+
+
+def stopped_on_request(work, reference):
+    folder = work / "stopped"
+    for stops in range(100):
+        process = subprocess.Popen(
+            command(folder, "--threads", "2", "--quiet"), stderr=subprocess.PIPE, text=True
+        )
+        time.sleep(0.15 + 0.1 * stops)
+        process.send_signal(signal.SIGINT if stops % 2 == 0 else signal.SIGTERM)
+        asked = time.monotonic()
+        said = process.communicate()[1]
+        if process.returncode == 0:
+            break
+        assert process.returncode == 130 and "stopping" in said, (process.returncode, said)
+        assert time.monotonic() - asked < 2, "it took too long to stop"
+    run(folder)
+    expect_same(folder, reference)
+    assert stops >= 2, stops
+    print(f"stopped {stops} times with exit 130: the same bytes")
+
+
+def one_at_a_time(work):
+    folder = work / "shared"
+    process = subprocess.Popen(command(folder, "--threads", "1", "--quiet"))
+    while not (folder / "study.yaml").exists():
+        time.sleep(0.005)
+    busy = status(folder)
+    second = run(folder, code=2)
+    assert busy["busy"] and str(process.pid) in busy["at_work"], busy
+    assert str(process.pid) in second.stderr and second.stderr.count("\n") == 1, second.stderr
+    process.kill()
+    process.wait()
+    assert not status(folder)["busy"]
+    print("a second program is refused, and told who is at work")
+
+
+def damage_is_repaired(work, reference):
+    folder = work / "damaged"
+    shutil.copytree(reference, folder)
+    cut, flipped = folder / "runs" / "pbc-0001.h5", folder / "runs" / "walls-0002.h5"
+    os.truncate(cut, cut.stat().st_size // 2)
+    data = bytearray(flipped.read_bytes())
+    data[len(data) // 3] ^= 4
+    flipped.write_bytes(data)
+    said = run(folder).stderr
+    for path in (cut, flipped):
+        aside = path.with_name(path.name + ".damaged")
+        assert aside.exists() and aside.name in said, said
+        aside.unlink()
+    expect_same(folder, reference)
+    print("damaged files are set aside and done again: the same bytes")
+
+
+def seeds(work, reference):
+    study = work / "other.yaml"
+    study.write_text(STUDY.read_text().replace("seed: 11", "seed: 12"))
+    run(work / "other", study=study)
+    first, second = contents(reference / "runs"), contents(work / "other" / "runs")
+    assert first.keys() == second.keys() and all(first[n] != second[n] for n in first)
+    refused = run(reference, study=study, code=2)
+    assert "seed" in refused.stderr and refused.stderr.count("\n") == 1, refused.stderr
+    run(work / "again", "--threads", "2")
+    expect_same(work / "again", reference)
+    print("another seed gives other bytes and is refused the folder; the same seed and 2 threads agree")
+
+
+def main():
+    with tempfile.TemporaryDirectory(prefix="rk-crash-") as name:
+        work = pathlib.Path(name)
+        reference = work / "reference"
+        run(reference, "--threads", "1")
+        seeds(work, reference)
+        killed_at_any_moment(work, reference)
+        stopped_on_request(work, reference)
+        one_at_a_time(work)
+        damage_is_repaired(work, reference)
+
+
+main()

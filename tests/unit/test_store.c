@@ -1,0 +1,399 @@
+/* The store and the runner over a case that is not there: whose folder, what is kept, what is
+ * noticed, and that no interruption changes a byte. */
+#include "ensemble/files.h"
+#include "ensemble/runner.h"
+#include "fake_shaker.h"
+#include "scratch.h"
+
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+/* ---- A study made by hand ---- */
+
+enum { POINTS = 2 };
+
+struct fixture {
+    char *folder;
+    struct fake_shaker_params params[POINTS];
+    struct rk_point points[POINTS];
+    struct rk_study study;
+    struct rk_plan *plan;
+    /* what the hooks are to do and have seen */
+    int polls_left; /* stop after so many; -1: never */
+    int messages;
+    char last[800];
+};
+
+static void plan_again(struct fixture *f) {
+    rk_plan_free(f->plan);
+    f->study.points = f->points;
+    f->study.point_count = POINTS;
+    assert_int_equal(rk_plan_create(&f->study, &f->plan, NULL), RK_OK);
+}
+
+static int make(void **state) {
+    struct fixture *f = calloc(1, sizeof *f);
+    f->folder = scratch_make();
+    f->study = (struct rk_study){.name = "test", .scene = &fake_shaker, .seed = 5, .replicas = 3};
+    for (size_t i = 0; i < POINTS; i++) {
+        rk_param_defaults(fake_shaker.params, &f->params[i]);
+        f->params[i].grains = 20 + 10 * i;
+        f->params[i].rotates = i == 1;
+        f->points[i] = (struct rk_point){.params = &f->params[i], .key = 77 + i};
+    }
+    strcpy(f->points[0].name, "first");
+    strcpy(f->points[1].name, "second");
+    f->polls_left = -1;
+    plan_again(f);
+    *state = f;
+    return 0;
+}
+
+static int clear(void **state) {
+    struct fixture *f = *state;
+    scratch_remove(f->folder);
+    rk_plan_free(f->plan);
+    free(f);
+    return 0;
+}
+
+static bool stop(void *context) {
+    struct fixture *f = context;
+    return f->polls_left >= 0 && f->polls_left-- == 0;
+}
+
+static void message(void *context, const char *line) {
+    struct fixture *f = context;
+    f->messages++;
+    snprintf(f->last, sizeof f->last, "%s", line);
+}
+
+static enum rk_status run(struct fixture *f, const char *name, int threads,
+                          struct rk_run_report *report, struct rk_error *err) {
+    struct rk_store *store;
+    struct rk_runner_options options = {
+        .threads = threads, .stop = stop, .message = message, .context = f};
+    enum rk_status status = rk_store_open(scratch_path(f->folder, name), f->plan, &store, err);
+    if (status == RK_OK) {
+        status = rk_runner_run(f->plan, store, &options, report, err);
+        rk_store_close(store);
+    }
+    return status;
+}
+
+static void expect_run(struct fixture *f, const char *name, int threads) {
+    struct rk_run_report report;
+    struct rk_error err = RK_NO_ERROR;
+    enum rk_status status = run(f, name, threads, &report, &err);
+    assert_string_equal(err.message, "");
+    assert_int_equal(status, RK_OK);
+    assert_int_equal(report.done + report.failed, f->plan->count);
+}
+
+static void expect_same(struct fixture *f, const char *first, const char *second) {
+    char a[200], b[200];
+    for (size_t i = 0; i < f->plan->count; i++) {
+        snprintf(a, sizeof a, "%s/runs/%s.h5", first, f->plan->runs[i].id);
+        snprintf(b, sizeof b, "%s/runs/%s.h5", second, f->plan->runs[i].id);
+        assert_true(scratch_same(scratch_path(f->folder, a), scratch_path(f->folder, b)));
+    }
+    snprintf(a, sizeof a, "%s/study.h5", first);
+    snprintf(b, sizeof b, "%s/study.h5", second);
+    assert_true(scratch_same(scratch_path(f->folder, a), scratch_path(f->folder, b)));
+}
+
+/* ---- Whose folder ---- */
+
+static void refuse(struct fixture *f, const char *name, enum rk_status expected,
+                   const char *words) {
+    struct rk_store *store = NULL;
+    struct rk_error err = RK_NO_ERROR;
+    assert_int_equal(rk_store_open(scratch_path(f->folder, name), f->plan, &store, &err), expected);
+    assert_non_null(strstr(err.message, words));
+    assert_null(strchr(err.message, '\n'));
+}
+
+static void a_strange_folder_is_refused_and_not_touched(void **state) {
+    struct fixture *f = *state;
+    mkdir(scratch_path(f->folder, "mine"), 0777);
+    scratch_write(scratch_path(f->folder, "mine/study.yaml"), "precious", 8);
+    refuse(f, "mine", RK_ECONFLICT, "holds other files");
+    assert_false(rk_file_exists(scratch_path(f->folder, "mine/lock")));
+    scratch_write(scratch_path(f->folder, "file"), "precious", 8);
+    refuse(f, "file", RK_ECONFLICT, "is a file");
+    refuse(f, "file/below", RK_EIO, "Not a directory");
+    size_t size;
+    char *kept = scratch_read(scratch_path(f->folder, "mine/study.yaml"), &size);
+    assert_true(size == 8 && memcmp(kept, "precious", 8) == 0);
+    free(kept);
+}
+
+static void another_studys_folder_is_refused(void **state) {
+    struct fixture *f = *state;
+    expect_run(f, "out", 1);
+    f->study.seed = 6;
+    plan_again(f);
+    refuse(f, "out", RK_ECONFLICT, "other parameters, seed or case");
+    scratch_write(scratch_path(f->folder, "out/plan.h5"), "no plan", 7);
+    refuse(f, "out", RK_ECONFLICT, "damaged");
+}
+
+static void an_unwritable_folder_is_refused(void **state) {
+    struct fixture *f = *state;
+    struct rk_store *store = NULL;
+    struct rk_error err = RK_NO_ERROR;
+    assert_int_equal(rk_store_open("/proc/reckon-out", f->plan, &store, &err), RK_EIO);
+    assert_non_null(strstr(err.message, "/proc/reckon-out"));
+}
+
+static void two_programs_do_not_share_a_folder(void **state) {
+    struct fixture *f = *state;
+    struct rk_store *store;
+    char who[96];
+    const char *folder = scratch_path(f->folder, "out");
+    assert_false(rk_store_busy(folder, who));
+    assert_int_equal(rk_store_open(folder, f->plan, &store, NULL), RK_OK);
+    assert_true(rk_store_busy(folder, who));
+    assert_non_null(strstr(who, "process "));
+    refuse(f, "out", RK_ECONFLICT, "is at work in");
+    rk_store_close(store);
+    assert_false(rk_store_busy(folder, who));
+    assert_int_equal(rk_store_open(folder, f->plan, &store, NULL), RK_OK);
+    rk_store_close(store);
+}
+
+/* ---- The same bytes ---- */
+
+static void threads_and_repetition_change_nothing(void **state) {
+    struct fixture *f = *state;
+    expect_run(f, "one", 1);
+    expect_run(f, "two", 2);
+    expect_same(f, "one", "two");
+    struct stat before, after;
+    stat(scratch_path(f->folder, "one/runs/first-0001.h5"), &before);
+    expect_run(f, "one", 2);
+    stat(scratch_path(f->folder, "one/runs/first-0001.h5"), &after);
+    assert_true(before.st_ino == after.st_ino && f->messages == 0);
+    assert_false(scratch_same(scratch_path(f->folder, "one/runs/first-0000.h5"),
+                              scratch_path(f->folder, "one/runs/first-0001.h5")));
+}
+
+static void stops_change_nothing(void **state) {
+    struct fixture *f = *state;
+    struct rk_run_report report;
+    expect_run(f, "straight", 1);
+    int stops = 0;
+    for (;; stops++) {
+        f->polls_left = 17;
+        enum rk_status status = run(f, "stopped", 1, &report, NULL);
+        if (status == RK_OK) {
+            break;
+        }
+        assert_int_equal(status, RK_EINTERRUPTED);
+        assert_true(report.interrupted && report.missing > 0 && stops < 1000);
+    }
+    assert_true(stops > 10);
+    expect_same(f, "straight", "stopped");
+    assert_int_equal(f->messages, 0);
+}
+
+static void more_replicas_go_on(void **state) {
+    struct fixture *f = *state;
+    expect_run(f, "out", 1);
+    struct stat before, after;
+    stat(scratch_path(f->folder, "out/runs/first-0001.h5"), &before);
+    f->study.replicas = 4;
+    plan_again(f);
+    expect_run(f, "out", 1);
+    stat(scratch_path(f->folder, "out/runs/first-0001.h5"), &after);
+    assert_true(before.st_ino == after.st_ino);
+    expect_run(f, "fresh", 1);
+    expect_same(f, "out", "fresh");
+}
+
+/* ---- Damage ---- */
+
+static void a_damaged_checkpoint_falls_back(void **state) {
+    struct fixture *f = *state;
+    struct rk_run_report report;
+    expect_run(f, "straight", 1);
+    const char *names[] = {"runs/second-0000.ckpt", "runs/second-0000.ckpt.old",
+                           "runs/second-0000.spool"};
+    for (unsigned which = 1; which < 8; which++) { /* every set of the three */
+        char out[32], path[100];
+        snprintf(out, sizeof out, "damaged-%u", which);
+        f->polls_left = 40;
+        f->messages = 0;
+        assert_int_equal(run(f, out, 1, &report, NULL), RK_EINTERRUPTED);
+        for (size_t i = 0; i < 3; i++) {
+            snprintf(path, sizeof path, "%s/%s", out, names[i]);
+            size_t size;
+            char *bytes = scratch_read(scratch_path(f->folder, path), &size);
+            assert_non_null(bytes);
+            if (which & (1u << i)) {
+                bytes[size / 2] ^= 1;
+                scratch_write(scratch_path(f->folder, path), bytes, i == 0 ? size / 2 + 1 : size);
+            }
+            free(bytes);
+        }
+        f->polls_left = -1;
+        expect_run(f, out, 1);
+        assert_int_equal(f->messages, which == 2 ? 0 : which == 1 ? 1 : 2);
+        expect_same(f, "straight", out);
+    }
+}
+
+static const char *const kept_name = "out/runs/first-0001.h5";
+
+static void a_damaged_file_is_told_and_done_again(void **state) {
+    struct fixture *f = *state;
+    expect_run(f, "straight", 1);
+    expect_run(f, "out", 1);
+    const char *path = scratch_path(f->folder, kept_name);
+    size_t size;
+    char *bytes = scratch_read(path, &size);
+    struct rk_observable data;
+    const char *folder = scratch_path(f->folder, "out");
+    for (size_t i = 0; i < 200; i++) {
+        size_t at = i * (size - 1) / 199;
+        bytes[at] ^= 0x10;
+        scratch_write(path, bytes, size);
+        assert_int_equal(rk_store_read(folder, &f->plan->runs[1], "intruder.height", &data, NULL),
+                         RK_EFORMAT);
+        bytes[at] ^= 0x10;
+        scratch_write(path, bytes, at);
+        assert_int_equal(rk_store_read(folder, &f->plan->runs[1], "intruder.height", &data, NULL),
+                         RK_EFORMAT);
+        assert_int_equal(rk_store_run_state(folder, &f->plan->runs[1]), RK_RUN_WAITING);
+    }
+    bytes[size / 2] ^= 0x10;
+    scratch_write(path, bytes, size);
+    free(bytes);
+    expect_run(f, "out", 1);
+    assert_int_equal(f->messages, 1);
+    assert_non_null(strstr(f->last, "first-0001.h5.damaged"));
+    assert_true(rk_file_exists(scratch_path(f->folder, "out/runs/first-0001.h5.damaged")));
+    expect_same(f, "straight", "out");
+}
+
+/* ---- What is recorded ---- */
+
+static void observables_are_read_back(void **state) {
+    struct fixture *f = *state;
+    expect_run(f, "out", 1);
+    struct rk_observable data;
+    struct rk_error err = RK_NO_ERROR;
+    const char *folder = scratch_path(f->folder, "out");
+    const struct rk_run *r = &f->plan->runs[0];
+    assert_int_equal(rk_store_read(folder, r, "intruder.height", &data, NULL), RK_OK);
+    assert_int_equal(data.samples, 8 * 5 + 1);
+    assert_true(data.interval == 40 * 0.01);
+    struct rk_scene *scene;
+    struct rk_preparation report;
+    struct rk_focus focus = {0};
+    double row[2];
+    assert_int_equal(fake_shaker.prepare(f->points[0].params,
+                                         rk_run_stream(f->plan, r, RK_FOR_GRAINS, 0), NULL, &scene,
+                                         &report, NULL),
+                     RK_OK);
+    for (size_t i = 0; i < data.samples; i++) {
+        const struct rk_probe *probe = (const struct rk_probe *)fake_shaker.probes->pieces[0];
+        probe->sample(scene, &focus, row);
+        assert_true(data.values[i] == row[0]);
+        assert_int_equal(rk_scene_step(scene, 40, NULL), RK_OK);
+    }
+    rk_scene_free(scene);
+    free(data.values);
+    const char *const wrong[] = {"intruder.weight", "intruder", ".", "a.b.c", "../x.y", ""};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+        assert_int_equal(rk_store_read(folder, r, wrong[i], &data, &err), RK_EINVALID);
+        assert_null(data.values);
+    }
+    assert_int_equal(rk_store_read("/nowhere", r, "intruder.height", &data, &err), RK_EIO);
+}
+
+static void failures_are_results(void **state) {
+    struct fixture *f = *state;
+    f->params[0].blow_up = 500;
+    f->params[1].blow_up = 1;
+    plan_again(f);
+    struct rk_run_report report;
+    assert_int_equal(run(f, "out", 2, &report, NULL), RK_OK);
+    assert_int_equal(report.failed, 6);
+    struct rk_observable data;
+    char reason[512];
+    const char *folder = scratch_path(f->folder, "out");
+    assert_int_equal(rk_store_run_reason(folder, &f->plan->runs[0], reason), RK_RUN_FAILED);
+    assert_string_equal(reason, "grain 3 overlaps at step 500");
+    assert_int_equal(rk_store_read(folder, &f->plan->runs[0], "intruder.height", &data, NULL),
+                     RK_OK);
+    assert_int_equal(data.samples, 500 / 40 + 1);
+    free(data.values);
+    assert_int_equal(rk_store_run_reason(folder, &f->plan->runs[3], reason), RK_RUN_FAILED);
+    assert_string_equal(reason, "the bed would not come to rest");
+    assert_int_equal(rk_store_read(folder, &f->plan->runs[3], "intruder.height", &data, NULL),
+                     RK_EREFUSED);
+    expect_run(f, "out", 1); /* failed is an answer: nothing is tried again */
+    for (int stops = 0;; stops++) {
+        f->polls_left = 11;
+        if (run(f, "stopped", 1, &report, NULL) == RK_OK) {
+            break;
+        }
+        assert_true(stops < 1000);
+    }
+    expect_same(f, "out", "stopped");
+}
+
+/* A limit on the size of files stands in for a full disk: the run is an error, not a result, and
+ * is done when there is room again. */
+static void a_full_disk_is_told_and_overcome(void **state) {
+    struct fixture *f = *state;
+    expect_run(f, "straight", 1);
+    struct rlimit before, small;
+    getrlimit(RLIMIT_FSIZE, &before);
+    void (*handler)(int) = signal(SIGXFSZ, SIG_IGN);
+    struct rk_run_report report;
+    struct rk_error err = RK_NO_ERROR;
+    size_t size;
+    free(scratch_read(scratch_path(f->folder, "straight/runs/first-0000.h5"), &size));
+    for (int part = 1; part <= 8; part++) {
+        small = before;
+        small.rlim_cur = size * (size_t)part / 9;
+        setrlimit(RLIMIT_FSIZE, &small);
+        enum rk_status status = run(f, "out", 2, &report, &err);
+        setrlimit(RLIMIT_FSIZE, &before);
+        assert_int_equal(status, RK_EIO);
+    }
+    signal(SIGXFSZ, handler);
+    expect_run(f, "out", 1);
+    expect_same(f, "straight", "out");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(a_strange_folder_is_refused_and_not_touched, make, clear),
+        cmocka_unit_test_setup_teardown(another_studys_folder_is_refused, make, clear),
+        cmocka_unit_test_setup_teardown(an_unwritable_folder_is_refused, make, clear),
+        cmocka_unit_test_setup_teardown(two_programs_do_not_share_a_folder, make, clear),
+        cmocka_unit_test_setup_teardown(threads_and_repetition_change_nothing, make, clear),
+        cmocka_unit_test_setup_teardown(stops_change_nothing, make, clear),
+        cmocka_unit_test_setup_teardown(more_replicas_go_on, make, clear),
+        cmocka_unit_test_setup_teardown(a_damaged_checkpoint_falls_back, make, clear),
+        cmocka_unit_test_setup_teardown(a_damaged_file_is_told_and_done_again, make, clear),
+        cmocka_unit_test_setup_teardown(observables_are_read_back, make, clear),
+        cmocka_unit_test_setup_teardown(failures_are_results, make, clear),
+        cmocka_unit_test_setup_teardown(a_full_disk_is_told_and_overcome, make, clear),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
