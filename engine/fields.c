@@ -103,7 +103,7 @@ void rk_fields_free(struct rk_scene *scene, const struct rk_field_set *set) {
 void rk_fields_permute(struct rk_scene *scene, const struct rk_field_set *set, const uint32_t *from,
                        void *scratch) {
     size_t length = set_length(scene, set);
-    for (size_t f = 0; f < set->count; f++) {
+    for (size_t f = 0; length > 0 && f < set->count; f++) {
         const struct rk_field *field = &set->fields[f];
         if (!rk_field_present(scene, field)) {
             continue;

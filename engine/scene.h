@@ -102,6 +102,9 @@ struct rk_scene {
 /* A grain's place in the order, SIZE_MAX if there is none of that tag. */
 size_t rk_scene_index(const struct rk_scene *scene, uint32_t tag);
 
+/* Work out what depends on the radii; before the first step and after unpacking. */
+enum rk_status rk_scene_get_ready(struct rk_scene *scene, struct rk_error *err);
+
 /* Renew index_of after the order has changed. */
 void rk_scene_index_tags(struct rk_scene *scene);
 

@@ -1,0 +1,173 @@
+/* The state of a scene as a block of bytes, and back: everything that the field tables declare. */
+#include "base/memory.h"
+#include "engine/fields.h"
+#include "engine/scene.h"
+#include "engine/walls.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char state_mark[8] = {'R', 'K', 'S', 'T', 'A', 'T', 'E', '1'};
+enum { STATE_SCALARS = 6 }; /* steps, primed, rotates, and the lengths of the three sets */
+
+static const struct rk_field_set *const kept[] = {&rk_grain_fields, &rk_contact_fields,
+                                                  &rk_wall_contact_fields};
+enum { KEPT = sizeof kept / sizeof *kept };
+
+static size_t set_bytes(const struct rk_scene *scene, const struct rk_field_set *set,
+                        size_t length) {
+    size_t entry = 0;
+    for (size_t f = 0; f < set->count; f++) {
+        entry += rk_field_present(scene, &set->fields[f]) ? rk_field_size(&set->fields[f]) : 0;
+    }
+    return entry * length;
+}
+
+static void kept_lengths(const struct rk_scene *scene, uint64_t lengths[KEPT]) {
+    lengths[0] = scene->grains.count;
+    lengths[1] = scene->rotates ? scene->touching.count : 0;
+    lengths[2] = scene->wall_touching.count;
+}
+
+size_t rk_scene_packed_size(const struct rk_scene *scene) {
+    uint64_t lengths[KEPT];
+    kept_lengths(scene, lengths);
+    size_t size = sizeof state_mark + STATE_SCALARS * sizeof(uint64_t);
+    for (size_t s = 0; s < KEPT; s++) {
+        size += set_bytes(scene, kept[s], lengths[s]);
+    }
+    return size;
+}
+
+void rk_scene_pack(const struct rk_scene *scene, void *block) {
+    char *at = block;
+    uint64_t scalars[STATE_SCALARS] = {scene->steps, scene->primed, scene->rotates};
+    kept_lengths(scene, scalars + 3);
+    memcpy(at, state_mark, sizeof state_mark);
+    at += sizeof state_mark;
+    memcpy(at, scalars, sizeof scalars);
+    at += sizeof scalars;
+    for (size_t s = 0; s < KEPT; s++) {
+        for (size_t f = 0; f < kept[s]->count; f++) {
+            const struct rk_field *field = &kept[s]->fields[f];
+            if (rk_field_present(scene, field) && scalars[3 + s] > 0) {
+                size_t bytes = scalars[3 + s] * rk_field_size(field);
+                memcpy(at, rk_field_array(scene, field), bytes);
+                at += bytes;
+            }
+        }
+    }
+}
+
+static enum rk_status damaged(struct rk_error *err, const char *what) {
+    return rk_fail(err, RK_EFORMAT, "the state of the scene is damaged: %s", what);
+}
+
+/* Bounds are checked before anything is allocated or copied. */
+static enum rk_status check_block(const struct rk_scene *scene, const char *block, size_t size,
+                                  uint64_t scalars[STATE_SCALARS], struct rk_error *err) {
+    size_t head = sizeof state_mark + STATE_SCALARS * sizeof(uint64_t);
+    if (size < head || memcmp(block, state_mark, sizeof state_mark) != 0) {
+        return damaged(err, "it does not begin as one");
+    }
+    memcpy(scalars, block + sizeof state_mark, STATE_SCALARS * sizeof(uint64_t));
+    if (scalars[1] > 1 || scalars[2] != (uint64_t)scene->rotates) {
+        return damaged(err, "it is of a scene of another kind");
+    }
+    if (scalars[3] > scene->spec.grains || scalars[4] > UINT32_MAX ||
+        scalars[5] > scalars[3] * scene->wall_count) {
+        return damaged(err, "it speaks of more grains or contacts than can be");
+    }
+    for (size_t s = 0; s < KEPT; s++) {
+        head += set_bytes(scene, kept[s], scalars[3 + s]);
+    }
+    return head == size ? RK_OK : damaged(err, "its length does not fit its contents");
+}
+
+static enum rk_status check_contacts(const struct rk_scene *scene, struct rk_error *err) {
+    const struct rk_touching *t = &scene->touching;
+    const struct rk_wall_touching *w = &scene->wall_touching;
+    size_t n = scene->grains.count;
+    for (size_t c = 0; c < t->count; c++) {
+        bool later = c == 0 || t->first[c] > t->first[c - 1] ||
+                     (t->first[c] == t->first[c - 1] && t->second[c] > t->second[c - 1]);
+        if (t->first[c] >= t->second[c] || t->second[c] >= n || !later || !isfinite(t->ft[c])) {
+            return damaged(err, "its contacts are out of order");
+        }
+    }
+    for (size_t c = 0; c < w->count; c++) {
+        bool later = c == 0 || w->wall[c] > w->wall[c - 1] ||
+                     (w->wall[c] == w->wall[c - 1] && w->grain[c] > w->grain[c - 1]);
+        if (w->wall[c] >= scene->wall_count || w->grain[c] >= n || !later || !isfinite(w->ft[c])) {
+            return damaged(err, "its wall contacts are out of order");
+        }
+    }
+    return RK_OK;
+}
+
+static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error *err) {
+    const struct rk_grains *g = &scene->grains;
+    for (size_t i = 0; i < g->count; i++) {
+        double sum = g->x[i] + g->y[i] + g->vx[i] + g->vy[i] + g->ax[i] + g->ay[i];
+        if (!isfinite(sum) || !(g->radius[i] > 0) || !isfinite(g->radius[i]) || !(g->mass[i] > 0) ||
+            !isfinite(g->mass[i]) || !(g->inverse_mass[i] >= 0)) {
+            return damaged(err, "a grain has a value that cannot be");
+        }
+        if (g->tag[i] >= g->count) {
+            return damaged(err, "a grain has a number that cannot be");
+        }
+    }
+    uint8_t *seen = rk_array_create(g->count, 1);
+    if (!seen) {
+        return rk_fail(err, RK_EMEMORY, "no memory to check %zu grains", g->count);
+    }
+    bool twice = false;
+    for (size_t i = 0; i < g->count; i++) {
+        twice = twice || seen[g->tag[i]];
+        seen[g->tag[i]] = 1;
+    }
+    free(seen);
+    return twice ? damaged(err, "two grains have the same number") : RK_OK;
+}
+
+enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t size,
+                               struct rk_error *err) {
+    uint64_t scalars[STATE_SCALARS];
+    if (scene->grains.count > 0) {
+        return rk_fail(err, RK_EINVALID, "a state is unpacked into a scene without grains only");
+    }
+    enum rk_status status = check_block(scene, block, size, scalars, err);
+    if (status == RK_OK) {
+        status = rk_fields_resize(scene, &rk_contact_fields, scalars[4], err);
+    }
+    if (status == RK_OK) {
+        status = rk_fields_resize(scene, &rk_wall_contact_fields, scalars[5], err);
+    }
+    if (status) {
+        return status;
+    }
+    scene->steps = scalars[0];
+    scene->primed = scalars[1];
+    scene->grains.count = scalars[3];
+    scene->touching.count = scalars[4];
+    scene->wall_touching.count = scalars[5];
+    const char *at = (const char *)block + sizeof state_mark + sizeof scalars;
+    for (size_t s = 0; s < KEPT; s++) {
+        for (size_t f = 0; f < kept[s]->count; f++) {
+            const struct rk_field *field = &kept[s]->fields[f];
+            if (rk_field_present(scene, field)) {
+                size_t bytes = scalars[3 + s] * rk_field_size(field);
+                memcpy(rk_field_array(scene, field), at, bytes);
+                at += bytes;
+            }
+        }
+    }
+    scene->ready = false;
+    status = check_grains(scene, err);
+    if (status == RK_OK) {
+        status = check_contacts(scene, err);
+    }
+    rk_walls_move(scene, rk_scene_time(scene));
+    return status == RK_OK ? rk_scene_get_ready(scene, err) : status;
+}
