@@ -15,7 +15,7 @@ import tempfile
 import time
 
 RECKON, STUDY = sys.argv[1], pathlib.Path(sys.argv[2])
-MOST_KILLS = 400
+MOST_KILLS = 200
 
 
 def command(folder, *more, study=STUDY):
@@ -62,8 +62,9 @@ def killed_at_any_moment(work, reference):
         process = subprocess.Popen(
             command(folder, "--threads", threads, "--checkpoint", "0.01", "--quiet")
         )
-        # Now and then early, to hit the making of the folder and the review of what is there.
-        time.sleep(draw.choice([0.02, 0.3, 0.3]) * draw.random())
+        # Now and then early, to hit the making of the folder and the review of what is there; and
+        # later and later, so that a slow machine gets there, too.
+        time.sleep(draw.choice([0.02, 0.3, 0.3]) * draw.random() * 1.03**kills)
         process.kill()
         if process.wait() == 0:
             break
