@@ -29,11 +29,19 @@ const struct rk_param rk_settle_params[RK_SETTLE_PARAMS] = {
      .type = RK_PARAM_REAL,
      .offset = AT(step),
      .unit = "sqrt(m/kn)",
-     .value = 0.05,
+     .value = 0.07,
      .low = 0,
      .above_low = true,
      .high = 2,
      .doc = "time step while settling"},
+    {.name = "drag",
+     .type = RK_PARAM_REAL,
+     .offset = AT(drag),
+     .unit = "sqrt(g/d)",
+     .value = 0.5,
+     .low = 0,
+     .high = 10,
+     .doc = "drag -drag m v while settling only: contacts alone hardly damp a tall bed's bouncing"},
     {.name = "time",
      .type = RK_PARAM_REAL,
      .offset = AT(time),
@@ -47,7 +55,7 @@ const struct rk_param rk_settle_params[RK_SETTLE_PARAMS] = {
      .type = RK_PARAM_REAL,
      .offset = AT(kinetic),
      .unit = "m g d",
-     .value = 1e-7,
+     .value = 1e-6,
      .low = 0,
      .above_low = true,
      .high = 1,
@@ -154,13 +162,17 @@ static double mean_kinetic(const struct rk_scene *scene) {
     return grains ? (energy.kinetic + energy.rotational) / (double)grains : 0;
 }
 
+/* A bed bounces as a whole (its slowest sound wave), and at each turning point nothing moves: it
+ * lies still only if it does so for longer than a bounce takes. */
+static const double calm_time = 5;
+
 enum rk_status rk_bed_settle(struct rk_scene *scene, const struct rk_settle_spec *settle,
                              const struct rk_cancel *cancel, struct rk_preparation *report,
                              struct rk_error *err) {
-    enum { STRIDE = 200 };
-    double dt = rk_scene_spec(scene)->dt;
-    uint64_t most = (uint64_t)ceil(settle->time / dt);
-    while (rk_scene_steps(scene) < most) {
+    enum { STRIDE = 100 };
+    double dt = rk_scene_spec(scene)->dt, begin = rk_scene_time(scene), calm_since = begin;
+    double keep = 1 / (1 + settle->drag * STRIDE * dt);
+    while (rk_scene_time(scene) - begin < settle->time) {
         if (cancel && cancel->asked(cancel->context)) {
             return rk_fail(err, RK_EINTERRUPTED, "stopped while the bed was settling");
         }
@@ -168,11 +180,13 @@ enum rk_status rk_bed_settle(struct rk_scene *scene, const struct rk_settle_spec
         if (status) {
             return status;
         }
+        rk_scene_slow_down(scene, keep);
         report->steps = rk_scene_steps(scene);
         report->time = rk_scene_time(scene);
         report->kinetic = mean_kinetic(scene);
-        /* A bed that has not begun to fall is slow too: give it one time unit. */
-        if (report->time > 1 && report->kinetic < settle->kinetic) {
+        if (!(report->kinetic < settle->kinetic)) {
+            calm_since = report->time;
+        } else if (report->time - calm_since > calm_time) {
             return RK_OK;
         }
     }

@@ -17,10 +17,11 @@ double rk_grains_smallest_mass(const struct rk_grains_spec *grains);
 /* How a bed comes to rest. */
 struct rk_settle_spec {
     double step;    /* dt / sqrt(m/kn) */
+    double drag;    /* rate at which a drag takes velocity away while settling, 0 for none */
     double time;    /* at most */
     double kinetic; /* mean kinetic energy a grain that counts as rest */
 };
-enum { RK_SETTLE_PARAMS = 3 };
+enum { RK_SETTLE_PARAMS = 4 };
 extern const struct rk_param rk_settle_params[RK_SETTLE_PARAMS];
 
 /* Fill [0, width] from y = 0 upwards with `grains`, clear of the grains already in the scene (few

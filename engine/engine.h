@@ -152,6 +152,9 @@ enum rk_status rk_scene_set_drive(struct rk_scene *scene, size_t wall,
                                   const struct rk_drive_spec *drive, struct rk_error *err);
 enum rk_status rk_scene_hold(struct rk_scene *scene, uint32_t tag, bool held, struct rk_error *err);
 
+/* Multiply all velocities by `keep` (0 to 1): a drag, for beds that should come to rest. */
+void rk_scene_slow_down(struct rk_scene *scene, double keep);
+
 /* ---- Looking at a scene ------------------------------------------------------------------ */
 
 size_t rk_scene_grains(const struct rk_scene *scene);
@@ -222,8 +225,7 @@ enum rk_phase {
     RK_PHASE_MOVE,       /* predict and correct */
     RK_PHASE_NEIGHBOURS, /* renewing the list */
     RK_PHASE_TOUCH,      /* which pairs touch */
-    RK_PHASE_PUSH,       /* their forces */
-    RK_PHASE_SUM,        /* forces to grains */
+    RK_PHASE_PUSH,       /* their forces, summed into the grains */
     RK_PHASE_WALLS,
     RK_PHASE_COUNT
 };

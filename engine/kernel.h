@@ -19,23 +19,20 @@ struct rk_kernel {
     struct rk_piece piece;
     bool (*usable)(void); /* on this processor */
 
-    /* Predict all grains; `moved` gets the bounds of r - r0. */
-    void (*predict)(struct rk_grains *grains, const struct rk_neighbours *neighbours, double dt,
-                    struct rk_bounds *moved);
+    /* Predict all grains; the bounds of this step's moves are added to `moved`. */
+    void (*predict)(struct rk_grains *grains, double dt, struct rk_bounds *moved);
 
     /* Which pairs touch. The tangential forces of the pairs move to the touching ones. */
     void (*touch)(const struct rk_grains *grains, struct rk_pairs *pairs,
                   struct rk_touching *touching);
 
-    /* Forces of the touching pairs, without and with friction. */
-    void (*push)(const struct rk_grains *grains, const struct rk_contact_law *law,
-                 struct rk_touching *touching);
-    void (*push_and_rub)(const struct rk_grains *grains, const struct rk_contact_law *law,
-                         struct rk_pairs *pairs, struct rk_touching *touching);
-
-    /* grains->force: weights, then the forces of the touching pairs in their order. */
-    void (*sum)(struct rk_grains *grains, const struct rk_touching *touching,
-                const double gravity[2]);
+    /* grains->force: weights, then the forces of the touching pairs in their order, without and
+     * with friction. */
+    void (*push)(struct rk_grains *grains, const struct rk_contact_law *law, struct rk_pairs *pairs,
+                 struct rk_touching *touching, const double gravity[2]);
+    void (*push_and_rub)(struct rk_grains *grains, const struct rk_contact_law *law,
+                         struct rk_pairs *pairs, struct rk_touching *touching,
+                         const double gravity[2]);
 
     /* Correct all grains with grains->force. */
     void (*correct)(struct rk_grains *grains, double dt);

@@ -2,75 +2,81 @@
  * The including file defines KERNEL_NAME, KERNEL_DOC, KERNEL_TABLE and KERNEL_USABLE. */
 #include "engine/kernel.h"
 
-#include <math.h>
-#include <string.h>
+#include "engine/lanes.h"
 
-#if defined(__AVX512F__) && defined(__AVX512VL__)
-#include <immintrin.h>
-#endif
+/* The bounds of one component of all moves of a step. */
+struct span {
+    lanes least, most;
+};
 
-enum { LANES = 8 };
-
-/* Smaller and larger as a selection, which vectorises; no NaN rules are asked of them. */
-static inline double smaller(double a, double b) {
-    return a < b ? a : b;
-}
-static inline double larger(double a, double b) {
-    return a > b ? a : b;
-}
-
-static inline double predicted(double *restrict r, double *restrict v, double a, double dt,
-                               double half_dt2) {
-    *r += *v * dt + a * half_dt2;
-    *v += a * dt;
-    return *r;
-}
-
-/* One component of all grains; low and high get the bounds of its displacement. */
-static void predict_component(size_t n, double *restrict r, double *restrict v,
-                              const double *restrict a, const double *restrict r0, double dt,
-                              double *low, double *high) {
-    const double half_dt2 = 0.5 * dt * dt;
-    double least[LANES], most[LANES];
-    for (size_t l = 0; l < LANES; l++) {
-        least[l] = INFINITY;
-        most[l] = -INFINITY;
+static inline double least_of(lanes a) {
+    double least = a[0];
+    for (int l = 1; l < LANES; l++) {
+        least = a[l] < least ? a[l] : least;
     }
-    size_t whole = n - n % LANES;
-    for (size_t i = 0; i < whole; i += LANES) {
-        for (size_t l = 0; l < LANES; l++) {
-            double moved = predicted(&r[i + l], &v[i + l], a[i + l], dt, half_dt2) - r0[i + l];
-            least[l] = smaller(least[l], moved);
-            most[l] = larger(most[l], moved);
+    return least;
+}
+
+/* Predict one component of eight grains. */
+static inline void predict_eight(double *r, double *v, const double *a, double dt, double half_dt2,
+                                 struct span *span) {
+    lanes speed = lanes_load(v), acceleration = lanes_load(a);
+    lanes move = speed * dt + acceleration * half_dt2;
+    lanes_store(r, lanes_load(r) + move);
+    lanes_store(v, speed + acceleration * dt);
+    span->least = lanes_smaller(span->least, move);
+    span->most = lanes_larger(span->most, move);
+}
+
+/* Correct one component of eight grains: b is the new acceleration. */
+static inline void correct_eight(double *v, double *a, lanes b, double half) {
+    lanes_store(v, lanes_load(v) + (b - lanes_load(a)) * half);
+    lanes_store(a, b);
+}
+
+/* Arrays are padded to whole vectors. The empty places behind the last grain would bring a move of
+ * 0 into the bounds, so they move with the last grain. */
+static void pad(struct rk_grains *grains) {
+    size_t n = grains->count;
+    for (size_t i = n; n > 0 && i % LANES != 0; i++) {
+        grains->vx[i] = grains->vx[n - 1];
+        grains->vy[i] = grains->vy[n - 1];
+        grains->ax[i] = grains->ax[n - 1];
+        grains->ay[i] = grains->ay[n - 1];
+    }
+}
+
+static void predict(struct rk_grains *grains, double dt, struct rk_bounds *moved) {
+    const double half_dt2 = 0.5 * dt * dt;
+    struct span x = {lanes_all(INFINITY), lanes_all(-INFINITY)}, y = x, turn = x;
+    pad(grains);
+    for (size_t i = 0; i < grains->count; i += LANES) {
+        predict_eight(grains->x + i, grains->vx + i, grains->ax + i, dt, half_dt2, &x);
+        predict_eight(grains->y + i, grains->vy + i, grains->ay + i, dt, half_dt2, &y);
+        if (grains->omega) {
+            predict_eight(grains->angle + i, grains->omega + i, grains->alpha + i, dt, half_dt2,
+                          &turn);
         }
     }
-    for (size_t i = whole; i < n; i++) {
-        double moved = predicted(&r[i], &v[i], a[i], dt, half_dt2) - r0[i];
-        least[0] = smaller(least[0], moved);
-        most[0] = larger(most[0], moved);
+    if (grains->count > 0) {
+        moved->low[0] += least_of(x.least);
+        moved->low[1] += least_of(y.least);
+        moved->high[0] -= least_of(-x.most);
+        moved->high[1] -= least_of(-y.most);
     }
-    for (size_t l = 1; l < LANES; l++) {
-        least[0] = smaller(least[0], least[l]);
-        most[0] = larger(most[0], most[l]);
-    }
-    *low = least[0];
-    *high = most[0];
 }
 
-static void predict(struct rk_grains *grains, const struct rk_neighbours *neighbours, double dt,
-                    struct rk_bounds *moved) {
-    size_t n = grains->count;
-    predict_component(n, grains->x, grains->vx, grains->ax, neighbours->x0, dt, &moved->low[0],
-                      &moved->high[0]);
-    predict_component(n, grains->y, grains->vy, grains->ay, neighbours->y0, dt, &moved->low[1],
-                      &moved->high[1]);
-    if (grains->omega) {
-        const double half_dt2 = 0.5 * dt * dt;
-        double *restrict angle = grains->angle, *restrict omega = grains->omega;
-        const double *restrict alpha = grains->alpha;
-        for (size_t i = 0; i < n; i++) {
-            angle[i] += omega[i] * dt + alpha[i] * half_dt2;
-            omega[i] += alpha[i] * dt;
+static void correct(struct rk_grains *grains, double dt) {
+    const double half = 0.5 * dt;
+    for (size_t i = 0; i < grains->count; i += LANES) {
+        lanes fx, fy, torque;
+        lanes_load_rows(grains->force + RK_FORCE_WIDTH * i, &fx, &fy, &torque);
+        lanes inverse_mass = lanes_load(grains->inverse_mass + i);
+        correct_eight(grains->vx + i, grains->ax + i, fx * inverse_mass, half);
+        correct_eight(grains->vy + i, grains->ay + i, fy * inverse_mass, half);
+        if (grains->omega) {
+            correct_eight(grains->omega + i, grains->alpha + i,
+                          torque * lanes_load(grains->inverse_inertia + i), half);
         }
     }
 }
@@ -98,7 +104,7 @@ static inline size_t touch_one(const struct rk_grains *grains, struct rk_pairs *
     return count + (d2 < pairs->reach2[p]);
 }
 
-#if defined(__AVX512F__) && defined(__AVX512VL__)
+#if RK_WIDE
 /* Eight pairs at a time: distances by gathers, the touching lanes packed together. */
 static size_t touch_eight(const struct rk_grains *grains, struct rk_pairs *pairs,
                           struct rk_touching *touching, size_t p, size_t count) {
@@ -136,7 +142,7 @@ static size_t touch_eight(const struct rk_grains *grains, struct rk_pairs *pairs
 static void touch(const struct rk_grains *grains, struct rk_pairs *pairs,
                   struct rk_touching *touching) {
     size_t count = 0, p = 0;
-#if defined(__AVX512F__) && defined(__AVX512VL__)
+#if RK_WIDE
     for (; p + LANES <= pairs->count; p += LANES) {
         count = touch_eight(grains, pairs, touching, p, count);
     }
@@ -147,117 +153,102 @@ static void touch(const struct rk_grains *grains, struct rk_pairs *pairs,
     touching->count = count;
 }
 
-static void push(const struct rk_grains *grains, const struct rk_contact_law *law,
-                 struct rk_touching *touching) {
-    const double kn = law->kn, gamma = law->gamma, least = law->least;
-    const double *restrict vx = grains->vx, *restrict vy = grains->vy;
-    const double *restrict radius = grains->radius;
-    const uint32_t *restrict first = touching->first, *restrict second = touching->second;
-    const double *restrict dx = touching->dx, *restrict dy = touching->dy;
-    const double *restrict d2 = touching->d2;
-    double *restrict force = touching->force;
-    const size_t count = touching->count;
-    for (size_t c = 0; c < count; c++) {
-        size_t i = first[c], j = second[c];
-        double distance = sqrt(d2[c]);
-        double inverse = 1 / distance;
-        double nx = dx[c] * inverse, ny = dy[c] * inverse;
-        double vn = (vx[j] - vx[i]) * nx + (vy[j] - vy[i]) * ny;
-        double fn = larger(kn * (radius[i] + radius[j] - distance) - gamma * vn, least);
-        force[RK_FORCE_WIDTH * c] = fn * nx;
-        force[RK_FORCE_WIDTH * c + 1] = fn * ny;
-        force[RK_FORCE_WIDTH * c + 2] = 0;
-        force[RK_FORCE_WIDTH * c + 3] = 0;
+/* Force rows of eight contacts go to their grains: rows are fx, fy on the second, then the torques
+ * on the first and on the second. Contacts come in ascending order of their first grain, then
+ * their second: this is the one order in which a grain's forces are ever added up. */
+static inline void give(double *total, const struct rk_touching *touching, size_t c, size_t end) {
+    const quad opposite = {-1, -1, 1, 1};
+    typedef long long quad_index __attribute__((vector_size(32)));
+    for (; c < end; c++) {
+        quad *first = (quad *)(total + RK_FORCE_WIDTH * (size_t)touching->first[c]);
+        quad *second = (quad *)(total + RK_FORCE_WIDTH * (size_t)touching->second[c]);
+        quad row = *(const quad *)(touching->force + RK_FORCE_WIDTH * c);
+        *first += row * opposite;
+        *second += __builtin_shuffle(row, (quad_index){0, 1, 3, 2});
     }
 }
 
-static void push_and_rub(const struct rk_grains *grains, const struct rk_contact_law *law,
-                         struct rk_pairs *pairs, struct rk_touching *touching) {
-    const double kn = law->kn, gamma = law->gamma, least = law->least;
-    const double kt_dt = law->kt_dt, mu = law->mu;
-    const double *restrict vx = grains->vx, *restrict vy = grains->vy;
-    const double *restrict omega = grains->omega, *restrict radius = grains->radius;
-    const uint32_t *restrict first = touching->first, *restrict second = touching->second;
-    const uint32_t *restrict pair = touching->pair;
-    const double *restrict dx = touching->dx, *restrict dy = touching->dy;
-    const double *restrict d2 = touching->d2;
-    double *restrict kept = touching->ft, *restrict pair_ft = pairs->ft;
-    double *restrict force = touching->force;
-    const size_t count = touching->count;
-    for (size_t c = 0; c < count; c++) {
-        size_t i = first[c], j = second[c];
-        double distance = sqrt(d2[c]);
-        double inverse = 1 / distance;
-        double nx = dx[c] * inverse, ny = dy[c] * inverse;
-        double ux = vx[j] - vx[i], uy = vy[j] - vy[i];
-        double reach = radius[i] + radius[j];
-        double share = distance / reach;
-        double arm_i = radius[i] * share, arm_j = radius[j] * share;
-        double vn = ux * nx + uy * ny;
-        double vt = uy * nx - ux * ny - arm_i * omega[i] - arm_j * omega[j];
-        double fn = larger(kn * (reach - distance) - gamma * vn, least);
-        double cap = mu * larger(fn, 0);
-        double ft = larger(smaller(kept[c] - kt_dt * vt, cap), -cap);
-        kept[c] = ft;
-        force[RK_FORCE_WIDTH * c] = fn * nx - ft * ny;
-        force[RK_FORCE_WIDTH * c + 1] = fn * ny + ft * nx;
-        force[RK_FORCE_WIDTH * c + 2] = -arm_i * ft;
-        force[RK_FORCE_WIDTH * c + 3] = -arm_j * ft;
-    }
-    for (size_t c = 0; c < count; c++) {
-        pair_ft[pair[c]] = kept[c];
+/* Weights first, then contacts. */
+static void weigh(struct rk_grains *grains, const double gravity[2]) {
+    const quad g = {gravity[0], gravity[1], 0, 0};
+    for (size_t i = 0; i < grains->count; i++) {
+        *(quad *)(grains->force + RK_FORCE_WIDTH * i) = grains->mass[i] * g;
     }
 }
 
-/* Contacts come in ascending order of their first grain, then their second: this is the one order
- * in which a grain's forces are ever added up. */
-static void sum(struct rk_grains *grains, const struct rk_touching *touching,
-                const double gravity[2]) {
-    double *restrict total = grains->force;
-    const double *restrict mass = grains->mass, *restrict force = touching->force;
-    const uint32_t *restrict first = touching->first, *restrict second = touching->second;
-    const double gx = gravity[0], gy = gravity[1];
-    const size_t n = grains->count, count = touching->count;
-    for (size_t i = 0; i < n; i++) {
-        total[RK_FORCE_WIDTH * i] = mass[i] * gx;
-        total[RK_FORCE_WIDTH * i + 1] = mass[i] * gy;
-        total[RK_FORCE_WIDTH * i + 2] = 0;
-        total[RK_FORCE_WIDTH * i + 3] = 0;
-    }
-    for (size_t c = 0; c < count; c++) {
-        const double *f = force + RK_FORCE_WIDTH * c;
-        double *a = total + RK_FORCE_WIDTH * (size_t)first[c];
-        double *b = total + RK_FORCE_WIDTH * (size_t)second[c];
-        a[0] -= f[0];
-        a[1] -= f[1];
-        a[2] += f[2];
-        b[0] += f[0];
-        b[1] += f[1];
-        b[2] += f[3];
+/* The last few lanes of the last eight stand for no contact: two grains that do not touch. */
+static void fill_up(struct rk_touching *touching) {
+    for (size_t c = touching->count; c % LANES != 0; c++) {
+        touching->first[c] = touching->second[c] = 0;
+        touching->dx[c] = touching->d2[c] = 1;
+        touching->dy[c] = 0;
+        if (touching->ft) {
+            touching->ft[c] = 0;
+        }
     }
 }
 
-static void correct(struct rk_grains *grains, double dt) {
-    const double half = 0.5 * dt;
-    const size_t n = grains->count;
-    const double *restrict total = grains->force, *restrict inverse_mass = grains->inverse_mass;
-    double *restrict vx = grains->vx, *restrict vy = grains->vy;
-    double *restrict ax = grains->ax, *restrict ay = grains->ay;
-    for (size_t i = 0; i < n; i++) {
-        double bx = total[RK_FORCE_WIDTH * i] * inverse_mass[i];
-        double by = total[RK_FORCE_WIDTH * i + 1] * inverse_mass[i];
-        vx[i] += (bx - ax[i]) * half;
-        vy[i] += (by - ay[i]) * half;
-        ax[i] = bx;
-        ay[i] = by;
+static inline size_t lesser(size_t a, size_t b) {
+    return a < b ? a : b;
+}
+
+static void push(struct rk_grains *grains, const struct rk_contact_law *law, struct rk_pairs *pairs,
+                 struct rk_touching *touching, const double gravity[2]) {
+    (void)pairs;
+    const double kn = law->kn, gamma = law->gamma;
+    const lanes least = lanes_all(law->least), none = lanes_all(0);
+    weigh(grains, gravity);
+    fill_up(touching);
+    for (size_t c = 0; c < touching->count; c += LANES) {
+        const uint32_t *i = touching->first + c, *j = touching->second + c;
+        lanes distance = lanes_root(lanes_load(touching->d2 + c));
+        lanes inverse = 1 / distance;
+        lanes nx = lanes_load(touching->dx + c) * inverse;
+        lanes ny = lanes_load(touching->dy + c) * inverse;
+        lanes ux = lanes_gather(grains->vx, j) - lanes_gather(grains->vx, i);
+        lanes uy = lanes_gather(grains->vy, j) - lanes_gather(grains->vy, i);
+        lanes reach = lanes_gather(grains->radius, i) + lanes_gather(grains->radius, j);
+        lanes vn = ux * nx + uy * ny;
+        lanes fn = lanes_larger(kn * (reach - distance) - gamma * vn, least);
+        lanes_store_rows(touching->force + RK_FORCE_WIDTH * c, fn * nx, fn * ny, none, none);
+        give(grains->force, touching, c, lesser(c + LANES, touching->count));
     }
-    if (grains->omega) {
-        const double *restrict inverse_inertia = grains->inverse_inertia;
-        double *restrict omega = grains->omega, *restrict alpha = grains->alpha;
-        for (size_t i = 0; i < n; i++) {
-            double b = total[RK_FORCE_WIDTH * i + 2] * inverse_inertia[i];
-            omega[i] += (b - alpha[i]) * half;
-            alpha[i] = b;
+}
+
+static void push_and_rub(struct rk_grains *grains, const struct rk_contact_law *law,
+                         struct rk_pairs *pairs, struct rk_touching *touching,
+                         const double gravity[2]) {
+    const double kn = law->kn, gamma = law->gamma, kt_dt = law->kt_dt, mu = law->mu;
+    const lanes least = lanes_all(law->least), none = lanes_all(0);
+    weigh(grains, gravity);
+    fill_up(touching);
+    for (size_t c = 0; c < touching->count; c += LANES) {
+        const uint32_t *i = touching->first + c, *j = touching->second + c;
+        lanes distance = lanes_root(lanes_load(touching->d2 + c));
+        lanes radius_i = lanes_gather(grains->radius, i);
+        lanes radius_j = lanes_gather(grains->radius, j);
+        lanes reach = radius_i + radius_j;
+        lanes quotient = 1 / (distance * reach); /* one division for the two that are needed */
+        lanes inverse = reach * quotient, share = lanes_load(touching->d2 + c) * quotient;
+        lanes nx = lanes_load(touching->dx + c) * inverse;
+        lanes ny = lanes_load(touching->dy + c) * inverse;
+        lanes ux = lanes_gather(grains->vx, j) - lanes_gather(grains->vx, i);
+        lanes uy = lanes_gather(grains->vy, j) - lanes_gather(grains->vy, i);
+        lanes arm_i = radius_i * share, arm_j = radius_j * share;
+        lanes vn = ux * nx + uy * ny;
+        lanes vt = uy * nx - ux * ny - arm_i * lanes_gather(grains->omega, i) -
+                   arm_j * lanes_gather(grains->omega, j);
+        lanes fn = lanes_larger(kn * (reach - distance) - gamma * vn, least);
+        lanes cap = mu * lanes_larger(fn, none);
+        lanes ft = lanes_load(touching->ft + c) - kt_dt * vt;
+        ft = lanes_larger(lanes_smaller(ft, cap), -cap);
+        lanes_store(touching->ft + c, ft);
+        lanes_store_rows(touching->force + RK_FORCE_WIDTH * c, fn * nx - ft * ny, fn * ny + ft * nx,
+                         -arm_i * ft, -arm_j * ft);
+        size_t end = lesser(c + LANES, touching->count);
+        give(grains->force, touching, c, end);
+        for (size_t k = c; k < end; k++) {
+            pairs->ft[touching->pair[k]] = touching->ft[k];
         }
     }
 }
@@ -269,6 +260,5 @@ const struct rk_kernel KERNEL_TABLE = {
     .touch = touch,
     .push = push,
     .push_and_rub = push_and_rub,
-    .sum = sum,
     .correct = correct,
 };

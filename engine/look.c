@@ -159,9 +159,8 @@ struct rk_energy rk_scene_energy(const struct rk_scene *scene) {
 
 const char *rk_phase_name(enum rk_phase phase) {
     static const char *const names[RK_PHASE_COUNT] = {
-        [RK_PHASE_MOVE] = "move",   [RK_PHASE_NEIGHBOURS] = "neighbours",
-        [RK_PHASE_TOUCH] = "touch", [RK_PHASE_PUSH] = "push",
-        [RK_PHASE_SUM] = "sum",     [RK_PHASE_WALLS] = "walls",
+        [RK_PHASE_MOVE] = "move", [RK_PHASE_NEIGHBOURS] = "neighbours", [RK_PHASE_TOUCH] = "touch",
+        [RK_PHASE_PUSH] = "push", [RK_PHASE_WALLS] = "walls",
     };
     return (unsigned)phase < RK_PHASE_COUNT ? names[phase] : "?";
 }
@@ -177,7 +176,7 @@ struct rk_profile rk_scene_profile(const struct rk_scene *scene) {
 size_t rk_scene_memory(const struct rk_scene *scene) {
     const struct rk_neighbours *near = &scene->neighbours;
     size_t grain = 10 * sizeof(double) + sizeof(uint32_t) + RK_FORCE_WIDTH * sizeof(double) +
-                   2 * sizeof(double) + 4 * sizeof(uint32_t);
+                   4 * sizeof(uint32_t);
     size_t pair = 3 * sizeof(uint32_t) + 4 * sizeof(double) + RK_FORCE_WIDTH * sizeof(double);
     grain += scene->rotates ? 4 * sizeof(double) : 0;
     pair += scene->spec.period_x > 0 ? sizeof(double) : 0;

@@ -439,8 +439,6 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
     if (scene->rotates) {
         carry_history(scene);
     }
-    memcpy(near->x0, g->x, g->count * sizeof *g->x);
-    memcpy(near->y0, g->y, g->count * sizeof *g->y);
     near->moved = (struct rk_bounds){{0, 0}, {0, 0}};
     near->valid = true;
     for (size_t w = 0; w < scene->wall_count; w++) {
@@ -487,11 +485,10 @@ void rk_neighbours_free(struct rk_scene *scene) {
     struct rk_neighbours *near = &scene->neighbours;
     struct rk_pairs *pairs = &scene->pairs;
     struct rk_touching *touching = &scene->touching;
-    void *const blocks[] = {near->x0,       near->y0,      near->found,     near->cell_start,
-                            near->cell_of,  near->in_cell, near->row_start, pairs->first,
-                            pairs->second,  pairs->shift,  pairs->reach2,   pairs->ft,
-                            touching->pair, touching->dx,  touching->dy,    touching->d2,
-                            touching->force};
+    void *const blocks[] = {near->found,     near->cell_start, near->cell_of,  near->in_cell,
+                            near->row_start, pairs->first,     pairs->second,  pairs->shift,
+                            pairs->reach2,   pairs->ft,        touching->pair, touching->dx,
+                            touching->dy,    touching->d2,     touching->force};
     for (size_t b = 0; b < sizeof blocks / sizeof *blocks; b++) {
         free(blocks[b]);
     }

@@ -75,14 +75,12 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     scene->grains.capacity = n;
     enum rk_status status = rk_fields_resize(scene, &rk_grain_fields, n, err);
     scene->grains.force = rk_array_create(n, RK_FORCE_WIDTH * sizeof(double));
-    near->x0 = rk_array_create(n, sizeof(double));
-    near->y0 = rk_array_create(n, sizeof(double));
     near->cell_of = rk_array_create(n, sizeof(uint32_t));
     near->in_cell = rk_array_create(n, sizeof(uint32_t));
     near->row_start = rk_array_create(n + 2, sizeof(uint32_t));
     scene->walls = rk_array_create(scene->spec.walls, sizeof *scene->walls);
-    if (status == RK_OK && (!scene->grains.force || !near->x0 || !near->y0 || !near->cell_of ||
-                            !near->in_cell || !near->row_start || !scene->walls)) {
+    if (status == RK_OK && (!scene->grains.force || !near->cell_of || !near->in_cell ||
+                            !near->row_start || !scene->walls)) {
         status = rk_fail(err, RK_EMEMORY, "no memory for a scene of %zu grains", n);
     }
     return status;
@@ -251,6 +249,17 @@ enum rk_status rk_scene_restart_clock(struct rk_scene *scene, double dt, struct 
     return RK_OK;
 }
 
+void rk_scene_slow_down(struct rk_scene *scene, double keep) {
+    struct rk_grains *g = &scene->grains;
+    for (size_t i = 0; i < g->count; i++) {
+        g->vx[i] *= keep;
+        g->vy[i] *= keep;
+        if (scene->rotates) {
+            g->omega[i] *= keep;
+        }
+    }
+}
+
 enum rk_status rk_scene_hold(struct rk_scene *scene, uint32_t tag, bool held,
                              struct rk_error *err) {
     size_t i = rk_scene_index(scene, tag);
@@ -317,14 +326,9 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
     since = tick(scene, RK_PHASE_NEIGHBOURS, since);
     kernel->touch(&scene->grains, &scene->pairs, &scene->touching);
     since = tick(scene, RK_PHASE_TOUCH, since);
-    if (scene->rotates) {
-        kernel->push_and_rub(&scene->grains, law, &scene->pairs, &scene->touching);
-    } else {
-        kernel->push(&scene->grains, law, &scene->touching);
-    }
+    (scene->rotates ? kernel->push_and_rub : kernel->push)(&scene->grains, law, &scene->pairs,
+                                                           &scene->touching, scene->spec.gravity);
     since = tick(scene, RK_PHASE_PUSH, since);
-    kernel->sum(&scene->grains, &scene->touching, scene->spec.gravity);
-    since = tick(scene, RK_PHASE_SUM, since);
     enum rk_status status = rk_walls_push(scene, law, err);
     tick(scene, RK_PHASE_WALLS, since);
     scene->profile.pairs += scene->pairs.count;
@@ -384,7 +388,7 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
         return status;
     }
     uint64_t since = scene->now ? scene->now() : 0;
-    kernel->predict(&scene->grains, &scene->neighbours, scene->spec.dt, &scene->neighbours.moved);
+    kernel->predict(&scene->grains, scene->spec.dt, &scene->neighbours.moved);
     rk_walls_move(scene, (double)(scene->steps + 1) * scene->spec.dt);
     tick(scene, RK_PHASE_MOVE, since);
     status = add_forces(scene, law, err);

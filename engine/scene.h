@@ -40,14 +40,14 @@ struct rk_touching {
     double *force; /* [capacity][RK_FORCE_WIDTH]: on second fx, fy; torques on first, second */
 };
 
-/* Bounds of the displacements of all grains since the neighbour list was built. */
+/* Bounds of the displacements of all grains since the neighbour list was built: the sums of the
+ * bounds of each step's moves, which need no old positions. */
 struct rk_bounds {
     double low[2], high[2];
 };
 
 struct rk_neighbours {
     bool valid;
-    double *x0, *y0;        /* positions at the last build */
     struct rk_bounds moved; /* since then */
     double cell;            /* side of a cell */
     double bulk_radius;     /* grains up to this fit the cells; larger ones search further */

@@ -193,10 +193,10 @@ static void fill_points(struct rk_ldf *ldf, const struct rk_ldf_work *work) {
         ldf->rate_low[i] = ldf->rate_high[i] = NAN;
     }
     const struct rk_tilt *tilt = &work->tilt;
-    ldf->point_low = to_mean(
-        work, isinf(work->limit_low) ? tilt->low : rk_tilt_at(tilt, work->limit_low, NULL).z);
-    ldf->point_high = to_mean(
-        work, isinf(work->limit_high) ? tilt->high : rk_tilt_at(tilt, work->limit_high, NULL).z);
+    bool bottom = isinf(work->limit_low), top = isinf(work->limit_high);
+    ldf->point_low =
+        bottom ? tilt->least : to_mean(work, rk_tilt_at(tilt, work->limit_low, NULL).z);
+    ldf->point_high = top ? tilt->most : to_mean(work, rk_tilt_at(tilt, work->limit_high, NULL).z);
 }
 
 /* The minimum, the curvature there, and the rate at a = 0. */

@@ -123,8 +123,8 @@ static struct tails widened(size_t units, double level) {
 static struct tails percentiles(double *row, size_t replicates, struct tails tails,
                                 double estimate) {
     rk_sort(row, replicates);
-    return (struct tails){fmin(rk_quantile(row, replicates, tails.low), estimate),
-                          fmax(rk_quantile(row, replicates, tails.high), estimate)};
+    return (struct tails){fmin(rk_quantile_of_draws(row, replicates, tails.low), estimate),
+                          fmax(rk_quantile_of_draws(row, replicates, tails.high), estimate)};
 }
 
 static void write_points(struct rk_ldf *ldf, const struct rk_ldf_work *work, struct rows *rows,

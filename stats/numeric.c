@@ -51,15 +51,23 @@ void rk_sort(double *x, size_t count) {
     qsort(x, count, sizeof *x, ascending);
 }
 
-double rk_quantile(const double *sorted, size_t count, double p) {
-    double h = (double)(count - 1) * p;
-    size_t i = (size_t)h;
+/* Between the order statistics floor(h) and floor(h) + 1, counted from 0. */
+static double interpolate(const double *sorted, size_t count, double h) {
+    size_t i = h > 0 ? (size_t)h : 0;
     if (i + 1 >= count) {
         return sorted[count - 1];
     }
-    double t = h - (double)i;
+    double t = fmax(h, 0) - (double)i;
     /* Not a + t (b - a): b - a may overflow, and equal neighbours must give themselves. */
     return sorted[i] == sorted[i + 1] ? sorted[i] : (1 - t) * sorted[i] + t * sorted[i + 1];
+}
+
+double rk_quantile(const double *sorted, size_t count, double p) {
+    return interpolate(sorted, count, (double)(count - 1) * p);
+}
+
+double rk_quantile_of_draws(const double *sorted, size_t count, double p) {
+    return interpolate(sorted, count, (double)(count + 1) * p - 1);
 }
 
 double rk_student_quantile(double p, double nu) {

@@ -13,6 +13,11 @@ void rk_sort(double *x, size_t count);
 /* The p-quantile of sorted values, linear between order statistics at h = (count - 1) p. */
 double rk_quantile(const double *sorted, size_t count, double p);
 
+/* The same at h = (count + 1) p - 1, kept within the values: the i-th of n draws lies on average at
+ * the probability i/(n + 1), so that this one leaves p below it on average. For tails of a
+ * bootstrap, where the former is too far in. */
+double rk_quantile_of_draws(const double *sorted, size_t count, double p);
+
 /* The p-quantile of Student's t, p in (0, 1), nu > 0 not necessarily whole. */
 double rk_student_quantile(double p, double nu);
 

@@ -183,6 +183,10 @@ enum rk_ldf_warning {
  * (half a Gaussian cut at the largest sample), so k_c is estimated as the root of
  *   tau (k lambda' - lambda) = ln L - sqrt((4/pi) ln L)
  * on either side. Data of few distinct values may never get there: k_c is then infinite.
+ * On synthetic windows, L from 1e2 to 1e5, the median root was 0.82, 0.93, 1.07 and 1.01 times the
+ * true k_c = sqrt(2 ln L)/(s tau) for Gaussian windows. For exponential tails, whose lambda ends at
+ * a finite k, it lies 1.4 to 1.8 times too far out: no sample of finite size can see that end, and
+ * points (not intervals) near k_c are then too low.
  *
  * Verdict of a point: refused beyond k_c, with lambda and rate NaN (k and mean stay, so that the
  * limit can be seen); up to k_c a point; an interval where moreover n_eff >= sqrt(L), and the same
@@ -192,7 +196,8 @@ enum rk_ldf_warning {
  * are widened for a small number n of units as Student's t is: Phi(t_{alpha/2,n-1} sqrt(n/(n-1)))
  * replaces alpha/2 (Hesterberg, Am. Stat. 69 (2015) 371). The band of the rate is at fixed a: each
  * replicate's own sup_k (k a - lambda_b(k)), by cubic Hermite interpolation of I_b with
- * dI/da = k. */
+ * dI/da = k between the points: a range of k of one's own choice wants points so close that a
+ * changes by less than about half a standard deviation from one to the next. */
 struct rk_ldf {
     size_t points;
     double *k;                        /* [points] ascending, k[points / 2] = 0 */

@@ -26,7 +26,10 @@ static void standardise(struct rk_tilt *tilt, const double *values) {
     size_t count = tilt->count;
     bool varies = false;
     double centre = rk_mean(values, count), largest = 0;
+    tilt->least = tilt->most = values[0];
     for (size_t j = 0; j < count; j++) {
+        tilt->least = fmin(tilt->least, values[j]);
+        tilt->most = fmax(tilt->most, values[j]);
         varies = varies || values[j] != values[0];
         tilt->z[j] = values[j] / 2 - centre / 2; /* halves, because the whole may overflow */
         largest = fmax(largest, fabs(tilt->z[j]));

@@ -23,6 +23,7 @@ struct rk_tilt {
     size_t units;
     double centre, scale; /* scale 0: all values equal */
     double low, high;     /* the extremes of z */
+    double least, most;   /* and of the values themselves */
     size_t low_ties, high_ties;
 };
 

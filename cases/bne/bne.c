@@ -273,7 +273,18 @@ static enum rk_status add_intruder(const struct rk_bne *bne, struct rk_scene *sc
     return rk_scene_add_grain(scene, &intruder, err);
 }
 
-/* The settled bed begins to be shaken: the intruder is let go, the box gets its drive. */
+/* The bed comes to rest on the held intruder, and once more when that is let go. */
+static enum rk_status settle(const struct rk_bne *bne, struct rk_scene *scene,
+                             const struct rk_cancel *cancel, struct rk_preparation *report,
+                             struct rk_error *err) {
+    enum rk_status status = rk_bed_settle(scene, &bne->settle, cancel, report, err);
+    if (status == RK_OK) {
+        status = rk_scene_hold(scene, 0, false, err);
+    }
+    return status == RK_OK ? rk_bed_settle(scene, &bne->settle, cancel, report, err) : status;
+}
+
+/* The settled bed begins to be shaken: the clock starts and the box gets its drive. */
 static enum rk_status start_shaking(const struct rk_bne *bne, struct rk_scene *scene,
                                     struct rk_error *err) {
     struct rk_drive_spec drive = shaking(bne);
@@ -281,7 +292,7 @@ static enum rk_status start_shaking(const struct rk_bne *bne, struct rk_scene *s
     for (size_t w = 0; status == RK_OK && w < rk_scene_walls(scene); w++) {
         status = rk_scene_set_drive(scene, w, &drive, err);
     }
-    return status == RK_OK ? rk_scene_hold(scene, 0, false, err) : status;
+    return status;
 }
 
 static enum rk_status bne_prepare(const void *params, struct rk_stream stream,
@@ -298,7 +309,7 @@ static enum rk_status bne_prepare(const void *params, struct rk_stream stream,
         status = rk_bed_fill(*scene, &bne->grains, bne->box.width, periodic(bne), &stream, err);
     }
     if (status == RK_OK) {
-        status = rk_bed_settle(*scene, &bne->settle, cancel, report, err);
+        status = settle(bne, *scene, cancel, report, err);
     }
     if (status == RK_OK) {
         status = start_shaking(bne, *scene, err);
