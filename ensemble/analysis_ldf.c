@@ -131,13 +131,13 @@ static const char head[] = "minimum [sqrt(g d)] with interval    intervals for a
 
 static void headline(const struct rk_result *result, FILE *out) {
     char text[96];
-    snprintf(text, sizeof text, "%.4g [%.4g, %.4g]", rk_result_number(result, "minimum"),
+    snprintf(text, sizeof text, "%.3g [%.3g, %.3g]", rk_result_number(result, "minimum"),
              rk_result_number(result, "minimum_low"), rk_result_number(result, "minimum_high"));
     fprintf(out, "%-36s ", text);
-    snprintf(text, sizeof text, "[%.4g, %.4g]", rk_result_number(result, "interval_low"),
+    snprintf(text, sizeof text, "[%.3g, %.3g]", rk_result_number(result, "interval_low"),
              rk_result_number(result, "interval_high"));
     fprintf(out, "%-23s ", text);
-    snprintf(text, sizeof text, "[%.4g, %.4g]", rk_result_number(result, "point_low"),
+    snprintf(text, sizeof text, "[%.3g, %.3g]", rk_result_number(result, "point_low"),
              rk_result_number(result, "point_high"));
     fprintf(out, "%-23s ", text);
     double zero = rk_result_number(result, "at_zero");
@@ -169,28 +169,44 @@ void rk_ldf_print(const struct rk_result *result, FILE *out) {
     fprintf(out, "%s\n", result->verdict);
 }
 
-/* Bands where there are intervals, a full line there, dashes and hollow dots as far as there are
- * points. */
-static void picture(const struct rk_picture *p, FILE *out) {
-    const struct rk_value *a = rk_result_find(p->panels[0].result, "a");
-    const struct rk_value *rate = rk_result_find(p->panels[0].result, "rate");
-    char unit[2][64] = {"", ""};
-    if (a && a->unit[0] != '\0') {
-        snprintf(unit[0], sizeof unit[0], " [%s]", a->unit);
+/* " over tau = 3.95 sqrt(d/g)" where all the curves have the same window, else "". */
+static void say_tau(const struct rk_picture *p, char *text, size_t size) {
+    const struct rk_value *tau = rk_result_find(p->panels[0].result, "tau");
+    text[0] = '\0';
+    for (size_t i = 0; i < p->count; i++) {
+        if (!tau || rk_result_number(p->panels[i].result, "tau") != tau->numbers[0]) {
+            return;
+        }
     }
-    if (rate && rate->unit[0] != '\0') {
-        snprintf(unit[1], sizeof unit[1], " [%s]", rate->unit);
+    snprintf(text, size, " over %.4g %s", tau->numbers[0], tau->unit);
+}
+
+static void write_axes(const struct rk_picture *p, FILE *out) {
+    static const char *const names[] = {"a", "rate"};
+    char unit[2][64] = {"", ""}, tau[64];
+    say_tau(p, tau, sizeof tau);
+    for (size_t i = 0; i < 2; i++) {
+        const struct rk_value *value = rk_result_find(p->panels[0].result, names[i]);
+        if (value && value->unit[0] != '\0') {
+            snprintf(unit[i], sizeof unit[i], " [%s]", value->unit);
+        }
     }
     fprintf(out,
-            "set xlabel \"%s, a%s\" noenhanced\nset ylabel \"rate function I(a)%s\" noenhanced\n"
-            "set yrange [0:*]\nset key top center\n"
+            "set xlabel \"a, %s%s%s\" noenhanced\nset ylabel \"rate function I(a)%s\" "
+            "noenhanced\nset yrange [0:*]\nset key top center\n"
             "set arrow 1 from 0, graph 0 to 0, graph 1 nohead linecolor rgb \"#999999\" "
-            "dashtype 3\n"
-            "believed(x, v) = (v eq \"refused\") ? NaN : x\n"
-            "sure(x, v) = (v eq \"interval\") ? x : NaN\n"
-            "plot \\\n",
-            p->quantity ? p->quantity : "velocity of the intruder averaged over windows", unit[0],
+            "dashtype 3\n",
+            p->quantity ? p->quantity : "vertical velocity of the intruder averaged", tau, unit[0],
             unit[1]);
+}
+
+/* Bands and a thick line where there are intervals; as far as there are points, hollow dots on a
+ * thin line. */
+static void picture(const struct rk_picture *p, FILE *out) {
+    write_axes(p, out);
+    fprintf(out, "believed(x, v) = (v eq \"refused\") ? NaN : x\n"
+                 "sure(x, v) = (v eq \"interval\") ? x : NaN\n"
+                 "plot \\\n");
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
         const char *colour = rk_plot_colour(i);
@@ -198,14 +214,19 @@ static void picture(const struct rk_picture *p, FILE *out) {
                 "  \"%s\" using \"a\":\"rate_low\":\"rate_high\" with filledcurves "
                 "fillcolor rgb \"#c0%s\" notitle, \\\n"
                 "  \"%s\" using \"a\":(believed(column(\"rate\"), strcol(\"verdict\"))) with lines "
-                "linewidth 1.5 dashtype 2 linecolor rgb \"#%s\" notitle, \\\n"
+                "linewidth 1 linecolor rgb \"#%s\" notitle, \\\n"
                 "  \"%s\" using \"a\":(strcol(\"verdict\") eq \"point\" ? column(\"rate\") : NaN) "
                 "with points pointtype 6 pointsize 0.8 linecolor rgb \"#%s\" notitle, \\\n"
                 "  \"%s\" using \"a\":(sure(column(\"rate\"), strcol(\"verdict\"))) with lines "
-                "linewidth 3 linecolor rgb \"#%s\" title \"%s\" noenhanced%s\n",
+                "linewidth 3 linecolor rgb \"#%s\" title \"%s\" noenhanced, \\\n",
                 panel->file, colour, panel->file, colour, panel->file, colour, panel->file, colour,
-                panel->point, i + 1 < p->count ? ", \\" : "");
+                panel->point);
     }
+    fprintf(out,
+            "  keyentry with filledcurves fillcolor rgb \"#c0000000\" title \"%g %% interval\", "
+            "\\\n  keyentry with points pointtype 6 pointsize 0.8 linecolor rgb \"#000000\" "
+            "title \"without interval; refused beyond\"\n",
+            100 * rk_result_number(p->panels[0].result, "level"));
 }
 
 static const struct rk_analysis_methods methods = {

@@ -100,7 +100,7 @@ static enum rk_status estimate(const void *params, const struct rk_point_data *d
 static const char head[] = "rise rate [d/period] with interval";
 
 static void headline(const struct rk_result *result, FILE *out) {
-    fprintf(out, "%.5g [%.5g, %.5g]", rk_result_number(result, "rate"),
+    fprintf(out, "%.3g [%.3g, %.3g]", rk_result_number(result, "rate"),
             rk_result_number(result, "rate_low"), rk_result_number(result, "rate_high"));
 }
 

@@ -179,8 +179,8 @@ enum rk_status rk_ldf_plot(const struct rk_result *result, const char *path, str
     const struct rk_request request = {&rk_analysis_ldf, NULL};
     const struct rk_report_entry entry = {.request = &request};
     const struct rk_panel panel = {name, table, result};
-    const struct rk_picture picture = {name, "large-deviation function", "window average", &panel,
-                                       1};
+    const struct rk_picture picture = {name, "large-deviation function", "observable averaged",
+                                       &panel, 1};
     struct page page = {
         .entry = &entry, .result = result, .picture = &picture, .write = write_columns};
     status = write_file(folder, table, &page, err);

@@ -1,0 +1,289 @@
+/* reckon check: what a study will run, what it costs, and what is doubtful about it. */
+#include "ensemble/command/command.h"
+#include "ensemble/command/speed.h"
+#include "ensemble/json.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct check_options {
+    bool json, quick;
+    uint64_t threads;
+};
+
+/* What is known of one point before it runs. */
+struct forecast {
+    const char *name;
+    size_t grains;
+    uint64_t steps, periods, samples, frames, preparation;
+    double dt, stable_dt, cost, disk;
+};
+
+enum { WARNINGS_MAX = 16 };
+
+struct outlook {
+    const struct rk_study *study;
+    struct forecast *points;
+    struct rk_speed speed;
+    int threads;
+    size_t runs;
+    double cost, disk, memory, core_seconds, wall_seconds; /* of the whole study */
+    char warnings[WARNINGS_MAX][256];
+    size_t warning_count;
+};
+
+static void __attribute__((format(printf, 2, 3))) warn(struct outlook *o, const char *format, ...) {
+    if (o->warning_count == WARNINGS_MAX) {
+        return;
+    }
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(o->warnings[o->warning_count++], sizeof o->warnings[0], format, arguments);
+    va_end(arguments);
+}
+
+static size_t columns_of(const struct rk_case *scene) {
+    size_t columns = 0;
+    for (size_t i = 0; i < scene->probes->count; i++) {
+        columns += ((const struct rk_probe *)scene->probes->pieces[i])->count;
+    }
+    return columns;
+}
+
+/* Bytes of a run's file at most: positions, velocities, angle and angular velocity of every frame
+ * as float32 before compression, the observables as float64. */
+static double file_size(const struct rk_case *scene, const struct forecast *f) {
+    double frame = 6.0 * 4.0 * (double)f->grains;
+    return frame * (double)f->frames + 8.0 * (double)columns_of(scene) * (double)f->samples + 65536;
+}
+
+static void look_at_point(struct outlook *o, size_t p) {
+    const struct rk_case *scene = o->study->scene;
+    const struct rk_point *point = &o->study->points[p];
+    struct rk_schedule schedule = scene->schedule(point->params);
+    struct forecast *f = &o->points[p];
+    *f = (struct forecast){
+        .name = point->name,
+        .grains = scene->grains(point->params),
+        .steps = schedule.steps,
+        .periods = schedule.steps / schedule.sample_every / schedule.samples_per_period,
+        .samples = schedule.steps / schedule.sample_every + 1,
+        .frames = schedule.frame_every > 0 ? schedule.steps / schedule.frame_every + 1 : 2,
+        .preparation = scene->preparation_steps(point->params),
+        .dt = schedule.dt,
+        .stable_dt = schedule.stable_dt,
+    };
+    f->cost = (double)f->grains * ((double)f->steps + (double)f->preparation);
+    f->disk = file_size(scene, f);
+    o->cost += f->cost * (double)o->study->replicas;
+    o->disk += f->disk * (double)o->study->replicas;
+    if (f->dt > 0.8 * f->stable_dt) {
+        warn(o,
+             "point %s: the time step is %.0f %% of the largest stable one; stay below 80 %%: a "
+             "smaller accuracy.step will do",
+             f->name, 100 * f->dt / f->stable_dt);
+    }
+}
+
+static void look_at_cost(struct outlook *o, const struct check_options *options) {
+    size_t costliest = 0, largest = 0;
+    for (size_t p = 1; p < o->study->point_count; p++) {
+        costliest = o->points[p].cost > o->points[costliest].cost ? p : costliest;
+        largest = o->points[p].grains > o->points[largest].grains ? p : largest;
+    }
+    o->speed = (struct rk_speed){NAN, NAN, 0};
+    if (!options->quick) {
+        o->speed = rk_speed_measure(o->study, &o->study->points[costliest]);
+        if (isnan(o->speed.grain_steps)) {
+            warn(o, "the speed could not be measured: point %s was not prepared in time",
+                 o->points[costliest].name);
+        }
+    }
+    o->core_seconds = o->cost / o->speed.grain_steps;
+    /* No run is shared between cores: the last round may leave some idle. */
+    double rounds = ceil((double)o->runs / o->threads);
+    o->wall_seconds =
+        fmax(o->core_seconds / o->threads, rounds * (o->core_seconds / (double)o->runs));
+    size_t at_once = o->runs < (size_t)o->threads ? o->runs : (size_t)o->threads;
+    o->memory = (double)at_once * o->speed.bytes_per_grain * (double)o->points[largest].grains;
+}
+
+static void look_at_replicas(struct outlook *o) {
+    if (o->study->request_count > 0 && o->study->replicas < 5) {
+        warn(o,
+             "%llu replica%s: intervals come from the scatter between replicas, of which five "
+             "are the least",
+             (unsigned long long)o->study->replicas, o->study->replicas == 1 ? "" : "s");
+    }
+}
+
+static const char *duration(double seconds, char text[32]) {
+    if (isnan(seconds)) {
+        snprintf(text, 32, "not measured");
+    } else if (seconds < 120) {
+        snprintf(text, 32, "%.3g s", seconds);
+    } else if (seconds < 7200) {
+        snprintf(text, 32, "%.3g min", seconds / 60);
+    } else {
+        snprintf(text, 32, "%.3g h", seconds / 3600);
+    }
+    return text;
+}
+
+static const char *bytes(double n, char text[32]) {
+    static const char *const units[] = {"B", "kB", "MB", "GB", "TB", "PB"};
+    size_t i = 0;
+    if (isnan(n)) {
+        snprintf(text, 32, "not measured");
+        return text;
+    }
+    for (; n >= 1000 && i < 5; i++) {
+        n /= 1000;
+    }
+    snprintf(text, 32, "%.3g %s", n, units[i]);
+    return text;
+}
+
+static void print(const struct outlook *o) {
+    const struct rk_study *study = o->study;
+    char a[32], b[32];
+    printf("study %s, case %s: %zu point%s x %llu replica%s = %zu runs\n\n", study->name,
+           study->scene->piece.name, study->point_count, study->point_count == 1 ? "" : "s",
+           (unsigned long long)study->replicas, study->replicas == 1 ? "" : "s", o->runs);
+    printf("%-20s %8s %8s %10s %10s %8s %7s %10s %7s %9s\n", "point", "grains", "periods", "steps",
+           "to settle", "samples", "frames", "dt", "of max", "a run");
+    for (size_t p = 0; p < study->point_count; p++) {
+        const struct forecast *f = &o->points[p];
+        printf("%-20s %8zu %8llu %10llu %10llu %8llu %7llu %10.4g %5.1f %% %9s\n", f->name,
+               f->grains, (unsigned long long)f->periods, (unsigned long long)f->steps,
+               (unsigned long long)f->preparation, (unsigned long long)f->samples,
+               (unsigned long long)f->frames, f->dt, 100 * f->dt / f->stable_dt, bytes(f->disk, a));
+    }
+    printf("\ncost      %.3g grain-steps, settling included (at most)\n", o->cost);
+    if (!isnan(o->speed.grain_steps)) {
+        printf("speed     %.3g million grain-steps per core-second, timed with %zu grains\n",
+               o->speed.grain_steps / 1e6, o->speed.grains);
+        printf("time      %s of one core, about %s on %d thread%s\n", duration(o->core_seconds, a),
+               duration(o->wall_seconds, b), o->threads, o->threads == 1 ? "" : "s");
+        printf("memory    %s\n", bytes(o->memory, a));
+    }
+    printf("disk      %s at most\n", bytes(o->disk, a));
+    for (size_t i = 0; i < o->warning_count; i++) {
+        printf("warning   %s\n", o->warnings[i]);
+    }
+}
+
+static void print_json(const struct outlook *o) {
+    struct rk_json json = rk_json_of(stdout);
+    rk_json_open_map(&json, NULL);
+    rk_json_text(&json, "study", o->study->name);
+    rk_json_text(&json, "case", o->study->scene->piece.name);
+    rk_json_count(&json, "replicas", o->study->replicas);
+    rk_json_count(&json, "runs", o->runs);
+    rk_json_open_list(&json, "points");
+    for (size_t p = 0; p < o->study->point_count; p++) {
+        const struct forecast *f = &o->points[p];
+        rk_json_open_map(&json, NULL);
+        rk_json_text(&json, "point", f->name);
+        rk_json_count(&json, "grains", f->grains);
+        rk_json_count(&json, "periods", f->periods);
+        rk_json_count(&json, "steps", f->steps);
+        rk_json_count(&json, "preparation_steps_at_most", f->preparation);
+        rk_json_count(&json, "samples", f->samples);
+        rk_json_count(&json, "frames", f->frames);
+        rk_json_number(&json, "dt", f->dt);
+        rk_json_number(&json, "stable_dt", f->stable_dt);
+        rk_json_number(&json, "grain_steps", f->cost);
+        rk_json_number(&json, "disk_bytes_at_most", f->disk);
+        rk_json_close(&json);
+    }
+    rk_json_close(&json);
+    rk_json_number(&json, "grain_steps", o->cost);
+    rk_json_number(&json, "grain_steps_per_core_second", o->speed.grain_steps);
+    rk_json_number(&json, "core_seconds", o->core_seconds);
+    rk_json_count(&json, "threads", (unsigned long long)o->threads);
+    rk_json_number(&json, "wall_seconds", o->wall_seconds);
+    rk_json_number(&json, "memory_bytes", o->memory);
+    rk_json_number(&json, "disk_bytes_at_most", o->disk);
+    rk_json_open_list(&json, "warnings");
+    for (size_t i = 0; i < o->warning_count; i++) {
+        rk_json_text(&json, NULL, o->warnings[i]);
+    }
+    rk_json_close(&json);
+    rk_json_close(&json);
+}
+
+static int check(const void *options, size_t count, char *const *operands) {
+    (void)count;
+    const struct check_options *o = options;
+    struct rk_study *study;
+    int code = rk_command_load_study(operands[0], &study);
+    if (code != RK_EXIT_DONE) {
+        return code;
+    }
+    struct outlook outlook = {
+        .study = study,
+        .points = calloc(study->point_count, sizeof *outlook.points),
+        .threads = o->threads > 0 ? (int)o->threads : omp_get_max_threads(),
+        .runs = study->point_count * (size_t)study->replicas,
+    };
+    if (!outlook.points) {
+        struct rk_error err = RK_NO_ERROR;
+        rk_fail(&err, RK_EMEMORY, "out of memory");
+        code = rk_complain(&err);
+    } else {
+        for (size_t p = 0; p < study->point_count; p++) {
+            look_at_point(&outlook, p);
+        }
+        look_at_replicas(&outlook);
+        look_at_cost(&outlook, o);
+        if (o->json) {
+            print_json(&outlook);
+        } else {
+            print(&outlook);
+        }
+    }
+    free(outlook.points);
+    rk_study_free(study);
+    return code;
+}
+
+static const struct rk_option options[] = {
+    {.name = "threads",
+     .letter = 'j',
+     .type = RK_OPTION_COUNT,
+     .offset = offsetof(struct check_options, threads),
+     .argument = "N",
+     .low = 1,
+     .high = 4096,
+     .doc = "to run on; all cores otherwise"},
+    {.name = "quick",
+     .letter = 'q',
+     .type = RK_OPTION_FLAG,
+     .offset = offsetof(struct check_options, quick),
+     .doc = "do not time this machine"},
+    {.name = "json",
+     .type = RK_OPTION_FLAG,
+     .offset = offsetof(struct check_options, json),
+     .doc = "for machines"},
+};
+
+const struct rk_command rk_command_check = {
+    .name = "check",
+    .summary = "what a study will run, its cost, memory, disk and time-step margin",
+    .usage = "STUDY.yaml [-j N] [--quick] [--json]",
+    .about = "Reads the study as `run` would and refuses what `run` would refuse. The time is\n"
+             "measured: a bed of the costliest point, of fewer grains where that point is large,\n"
+             "is settled and stepped for a moment. Nothing is written.",
+    .options = options,
+    .option_count = sizeof options / sizeof *options,
+    .size = sizeof(struct check_options),
+    .operands_min = 1,
+    .operands_max = 1,
+    .example = "reckon check cases/bne/quickstart.yaml",
+    .main = check,
+};

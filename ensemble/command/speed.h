@@ -1,0 +1,18 @@
+/* How fast this machine carries out a scene: measured on the scene itself, or on a smaller one. */
+#ifndef RK_ENSEMBLE_COMMAND_SPEED_H
+#define RK_ENSEMBLE_COMMAND_SPEED_H
+
+#include "ensemble/study.h"
+
+struct rk_speed {
+    double grain_steps;     /* per core-second; NaN when it could not be measured */
+    double bytes_per_grain; /* of memory */
+    size_t grains;          /* of the scene that was timed */
+};
+
+/* Prepare a bed of that point and time it for a moment. A scene whose preparation alone would take
+ * longer than a second or so is timed with fewer grains ("grains.count"), since the time a grain
+ * and step take depends on their number but weakly. Gives up after a few seconds. */
+struct rk_speed rk_speed_measure(const struct rk_study *study, const struct rk_point *point);
+
+#endif
