@@ -346,6 +346,9 @@ static enum rk_status prime(struct rk_scene *scene, struct rk_error *err) {
         status = coincident(scene, err);
     }
     if (status == RK_OK) {
+        status = rk_health_check(scene, err); /* grains may have been put inside each other */
+    }
+    if (status == RK_OK) {
         scene->kernel->correct(&scene->grains, 0);
         scene->primed = 1;
     }
