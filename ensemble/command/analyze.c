@@ -61,6 +61,7 @@ static int analyze(const void *options, size_t count, char *const *operands) {
         rk_error_locate(&err, "%s/study.yaml", operands[0]);
         code = rk_complain(&err);
     } else if (carry_out(operands[0], study, json, &err) != RK_OK) {
+        rk_error_locate(&err, "%s", operands[0]);
         code = rk_complain(&err);
     }
     rk_study_free(study);
