@@ -20,7 +20,7 @@ static enum rk_status carry_out(const char *folder, const struct rk_study *study
     const struct rk_notice notice = {warn, NULL};
     struct rk_plan *plan = NULL;
     struct rk_report *report = NULL;
-    enum rk_status status = rk_plan_create(study, &plan, err);
+    enum rk_status status = rk_command_plan_folder(folder, study, &plan, err);
     if (status == RK_OK) {
         status = rk_report_create(folder, plan, &notice, &report, err);
     }
