@@ -137,7 +137,7 @@ static enum rk_status read_folder(const char *folder, const struct rk_study *stu
         status = check_observable(study->scene, o->observable, err);
     }
     if (status == RK_OK) {
-        status = rk_plan_create(study, &plan, err);
+        status = rk_command_plan_folder(folder, study, &plan, err);
     }
     if (status == RK_OK) {
         status = rk_gather(folder, plan, p, o->observable, &notice, &g, err);
