@@ -205,9 +205,9 @@ enum rk_status rk_param_set(const struct rk_param_table *table, void *values, co
     return good ? RK_OK : out_of_range(ref, path, text, err);
 }
 
-/* The fewest digits that read back to the same double. */
+/* The fewest digits that read back to the same double, but 400 rather than 4e+02. */
 static void shortest(double x, char text[RK_PARAM_TEXT]) {
-    for (int digits = 1; digits <= 17; digits++) {
+    for (int digits = 6; digits <= 17; digits++) {
         snprintf(text, RK_PARAM_TEXT, "%.*g", digits, x);
         if (strtod(text, NULL) == x) {
             return;

@@ -126,20 +126,16 @@ static enum rk_status estimate(const void *params, const struct rk_point_data *d
     return status;
 }
 
-static const char head[] = "minimum [sqrt(g d)] with interval    intervals for a in      "
-                           "points for a in         I(0) [sqrt(g/d)]";
+static const char head[] = "minimum [sqrt(g d)]             intervals for a in   I(0) [sqrt(g/d)]";
 
 static void headline(const struct rk_result *result, FILE *out) {
     char text[96];
     snprintf(text, sizeof text, "%.3g [%.3g, %.3g]", rk_result_number(result, "minimum"),
              rk_result_number(result, "minimum_low"), rk_result_number(result, "minimum_high"));
-    fprintf(out, "%-36s ", text);
+    fprintf(out, "%-31s ", text);
     snprintf(text, sizeof text, "[%.3g, %.3g]", rk_result_number(result, "interval_low"),
              rk_result_number(result, "interval_high"));
-    fprintf(out, "%-23s ", text);
-    snprintf(text, sizeof text, "[%.3g, %.3g]", rk_result_number(result, "point_low"),
-             rk_result_number(result, "point_high"));
-    fprintf(out, "%-23s ", text);
+    fprintf(out, "%-20s ", text);
     double zero = rk_result_number(result, "at_zero");
     if (isfinite(zero)) {
         fprintf(out, "%.3g [%.3g, %.3g]", zero, rk_result_number(result, "at_zero_low"),

@@ -97,7 +97,7 @@ static enum rk_status estimate(const void *params, const struct rk_point_data *d
     return add_spread(data, result, err);
 }
 
-static const char head[] = "rise rate [d/period] with interval";
+static const char head[] = "rise rate [d/period]";
 
 static void headline(const struct rk_result *result, FILE *out) {
     fprintf(out, "%.3g [%.3g, %.3g]", rk_result_number(result, "rate"),

@@ -94,6 +94,30 @@ enum rk_status rk_file_publish(const char *temporary, const char *path, struct r
     return status == RK_OK ? rk_file_sync_folder_of(path, err) : status;
 }
 
+/* Do two files hold the same bytes? Whatever cannot be read does not. */
+static bool same_bytes(const char *first, const char *second) {
+    char a[4096], b[4096];
+    FILE *one = fopen(first, "rbe"), *two = fopen(second, "rbe");
+    bool same = one && two;
+    for (size_t count = sizeof a; same && count == sizeof a;) {
+        count = fread(a, 1, sizeof a, one);
+        same = fread(b, 1, sizeof b, two) == count && memcmp(a, b, count) == 0 && !ferror(one);
+    }
+    if (one) {
+        fclose(one);
+    }
+    if (two) {
+        fclose(two);
+    }
+    return same;
+}
+
+enum rk_status rk_file_publish_change(const char *temporary, const char *path,
+                                      struct rk_error *err) {
+    return same_bytes(temporary, path) ? rk_file_remove(temporary, err)
+                                       : rk_file_publish(temporary, path, err);
+}
+
 enum rk_status rk_file_put(const char *path, const void *bytes, size_t size, struct rk_error *err) {
     int file = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (file < 0) {
@@ -116,7 +140,7 @@ enum rk_status rk_file_replace(const char *path, const void *bytes, size_t size,
     if (status == RK_OK) {
         status = rk_file_put(temporary.text, bytes, size, err);
     }
-    return status == RK_OK ? rk_file_publish(temporary.text, path, err) : status;
+    return status == RK_OK ? rk_file_publish_change(temporary.text, path, err) : status;
 }
 
 enum rk_status rk_file_remove(const char *path, struct rk_error *err) {

@@ -42,10 +42,14 @@ enum rk_status rk_file_sync_folder_of(const char *path, struct rk_error *err);
 /* fsync `temporary`, rename it to `path`, sync the folder. */
 enum rk_status rk_file_publish(const char *temporary, const char *path, struct rk_error *err);
 
+/* The same, unless `path` has those very bytes already: then it is left alone. */
+enum rk_status rk_file_publish_change(const char *temporary, const char *path,
+                                      struct rk_error *err);
+
 /* Create or overwrite a file with `size` bytes, not yet synced; removed again on failure. */
 enum rk_status rk_file_put(const char *path, const void *bytes, size_t size, struct rk_error *err);
 
-/* Put `size` bytes at `path`, by way of "<path>.tmp". */
+/* Put `size` bytes at `path`, by way of "<path>.tmp", unless they are there already. */
 enum rk_status rk_file_replace(const char *path, const void *bytes, size_t size,
                                struct rk_error *err);
 

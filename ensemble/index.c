@@ -194,8 +194,11 @@ static enum rk_status build(const char *folder, const struct rk_plan *plan, bool
     for (size_t i = 0; i < plan->count; i++) {
         states[i] = (uint8_t)rk_store_run_state(folder, &plan->runs[i]);
     }
-    enum rk_status status = RK_OK;
-    if (!unless_current || !is_current(folder, plan, states)) {
+    struct rk_path partial; /* of a program that was killed */
+    enum rk_status status = rk_path_set(&partial, err, "%s/study.h5.tmp", folder);
+    if (status == RK_OK && unless_current && is_current(folder, plan, states)) {
+        status = rk_file_remove(partial.text, err);
+    } else if (status == RK_OK) {
         status = publish(folder, plan, states, addition, err);
     }
     free(states);

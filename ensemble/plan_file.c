@@ -58,7 +58,7 @@ enum rk_status rk_plan_file_write(const char *folder, const struct rk_plan *plan
         status = rk_seal_write(partial.text, &seal, err);
     }
     if (status == RK_OK) {
-        status = rk_file_publish(partial.text, path.text, err);
+        status = rk_file_publish_change(partial.text, path.text, err);
     }
     if (status != RK_OK) {
         remove(partial.text); /* the failure that counts is the one before */

@@ -3,6 +3,7 @@
 #include "ensemble/json.h"
 #include "ensemble/report.h"
 
+#include <math.h>
 #include <string.h>
 
 static int point_width(const struct rk_study *study) {
@@ -27,11 +28,26 @@ static void print_params(const struct rk_request *request, FILE *out) {
     }
 }
 
+/* The level of the intervals, as the results carry it; NaN when every point is refused. */
+static double level_of(const struct rk_report_entry *entry, const struct rk_study *study) {
+    for (size_t p = 0; p < study->point_count; p++) {
+        if (!entry->outcomes[p].result.refused) {
+            return rk_result_number(&entry->outcomes[p].result, "level");
+        }
+    }
+    return NAN;
+}
+
 static void print_entry(const struct rk_report_entry *entry, const struct rk_study *study,
                         FILE *out) {
     const struct rk_analysis_methods *methods = entry->request->analysis->methods;
     int width = point_width(study);
-    fprintf(out, "%s: %s\n(", entry->label, methods->title);
+    double level = level_of(entry, study);
+    fprintf(out, "%s: %s", entry->label, methods->title);
+    if (!isnan(level)) {
+        fprintf(out, ", with %g %% intervals", 100 * level);
+    }
+    fprintf(out, "\n(");
     print_params(entry->request, out);
     fprintf(out, ")\n  %-*s  %5s %6s %7s  %s\n", width, "point", "used", "failed", "missing",
             methods->head);

@@ -1,6 +1,7 @@
 #include "ensemble/run.h"
 #include "base/memory.h"
 #include "ensemble/checkpoint.h"
+#include "ensemble/clock.h"
 #include "ensemble/columns.h"
 #include "ensemble/files.h"
 #include "ensemble/h5md.h"
@@ -9,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* Grain-steps between two looks at the stop request: some 10 ms. */
 static const double stop_grain_steps = 3e5;
@@ -37,12 +37,6 @@ struct work {
     size_t state_size;
     double last_checkpoint; /* on the monotonic clock */
 };
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static bool stop_asked(const struct rk_run_hooks *hooks) {
     return hooks->stop && hooks->stop(hooks->context);
@@ -149,7 +143,7 @@ static enum rk_status checkpoint(struct work *w, struct rk_error *err) {
     if (status == RK_OK) {
         status = rk_checkpoint_write(w->paths.checkpoint.text, &w->origin, &c, err);
     }
-    w->last_checkpoint = now();
+    w->last_checkpoint = rk_clock();
     return status;
 }
 
@@ -286,7 +280,7 @@ static enum rk_status carry_on(struct work *w, struct rk_error *err) {
         if (status == RK_OK && target < w->schedule.steps) {
             if (stop_asked(w->hooks)) {
                 status = rk_fail(err, RK_EINTERRUPTED, "stopped on request");
-            } else if (now() - w->last_checkpoint >= w->hooks->checkpoint_every) {
+            } else if (rk_clock() - w->last_checkpoint >= w->hooks->checkpoint_every) {
                 status = checkpoint(w, err);
             }
         }
@@ -325,7 +319,7 @@ static enum rk_status finish(struct work *w, bool *failed, struct rk_error *err)
     struct rk_error trouble = RK_NO_ERROR;
     enum rk_status status = w->scene ? allocate(w, err) : begin(w, &trouble);
     if (status == RK_OK) {
-        w->last_checkpoint = now();
+        w->last_checkpoint = rk_clock();
         status = carry_on(w, &trouble);
     }
     *failed = status == RK_EUNSTABLE;

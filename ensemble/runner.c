@@ -1,4 +1,5 @@
 #include "ensemble/runner.h"
+#include "ensemble/clock.h"
 #include "ensemble/files.h"
 #include "ensemble/index.h"
 #include "ensemble/run.h"
@@ -11,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* Seconds between two calls of the progress function. */
 static const double progress_every = 1;
@@ -28,12 +28,6 @@ struct crew {
     double start, last;
     struct rk_error first; /* that kept a run from being carried out */
 };
-
-static double now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* ---- What a run asks and tells ---- */
 
@@ -60,7 +54,7 @@ static void message(void *context, const char *line) {
 
 /* With the mutex held. */
 static void tell(struct crew *crew, bool always) {
-    double time = now();
+    double time = rk_clock();
     if (crew->options->progress && (always || time - crew->last >= progress_every)) {
         crew->last = time;
         crew->progress.seconds = time - crew->start;
@@ -219,7 +213,7 @@ static enum rk_status work(struct crew *crew, int threads, struct rk_error *err)
         return rk_fail(err, RK_EMEMORY, "not enough memory for %zu runs", crew->plan->count);
     }
     size_t count = missing_runs(crew, order);
-    crew->start = now();
+    crew->start = rk_clock();
     tell(crew, true);
     /* A stop request passes over the runs that have not begun. */
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)

@@ -66,11 +66,12 @@ static enum rk_status check_keys(const struct rk_yaml *tree, struct rk_error *er
         }
         if (!known) {
             const char *nearest = rk_nearest_name(n->key, KEYS, key_name, keys);
-            return rk_yaml_wrong(tree, n->key_place, err,
-                                 "a study has no key '%.64s'%s%s%s; the keys are study, case, "
-                                 "seed, replicas, base, points, analyses",
-                                 n->key, nearest ? "; did you mean '" : "", nearest ? nearest : "",
-                                 nearest ? "'?" : "");
+            return rk_yaml_wrong(tree, n->key_place, err, "a study has no key '%.64s'; %s%s%s",
+                                 n->key,
+                                 nearest ? "did you mean '"
+                                         : "it may have study, case, seed, replicas, base, points, "
+                                           "analyses",
+                                 nearest ? nearest : "", nearest ? "'?" : "");
         }
     }
     return RK_OK;

@@ -15,12 +15,23 @@ static void warn(void *context, const char *line) {
     rk_warn("%s", line);
 }
 
+/* While another program is at work in the folder the tables are written and the index waits. */
+static enum rk_status add_to_index(const struct rk_report *report, const char *folder,
+                                   struct rk_error *err) {
+    enum rk_status status = rk_report_index(report, folder, err);
+    if (status == RK_ECONFLICT) {
+        rk_warn("the analyses are not added to %s/study.h5: %s", folder, err->message);
+        return RK_OK;
+    }
+    return status;
+}
+
 static enum rk_status carry_out(const char *folder, const struct rk_study *study, bool json,
                                 struct rk_error *err) {
     const struct rk_notice notice = {warn, NULL};
     struct rk_plan *plan = NULL;
     struct rk_report *report = NULL;
-    enum rk_status status = rk_plan_create(study, &plan, err);
+    enum rk_status status = rk_command_plan_folder(folder, study, &plan, err);
     if (status == RK_OK) {
         status = rk_report_create(folder, plan, &notice, &report, err);
     }
@@ -28,12 +39,7 @@ static enum rk_status carry_out(const char *folder, const struct rk_study *study
         status = rk_report_write(report, folder, &notice, err);
     }
     if (status == RK_OK) {
-        status = rk_report_index(report, folder, err);
-    }
-    if (status == RK_ECONFLICT) {
-        /* The tables are written; the index can wait until the other program has ended. */
-        rk_warn("the analyses are not added to %s/study.h5: %s", folder, err->message);
-        status = RK_OK;
+        status = add_to_index(report, folder, err);
     }
     if (status == RK_OK && json) {
         rk_report_print_json(report, stdout);
@@ -61,6 +67,7 @@ static int analyze(const void *options, size_t count, char *const *operands) {
         rk_error_locate(&err, "%s/study.yaml", operands[0]);
         code = rk_complain(&err);
     } else if (carry_out(operands[0], study, json, &err) != RK_OK) {
+        rk_error_locate(&err, "%s", operands[0]);
         code = rk_complain(&err);
     }
     rk_study_free(study);

@@ -7,8 +7,6 @@
 #include "ensemble/report.h"
 #include "ensemble/table.h"
 
-#include "ensemble/plot.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -76,6 +74,10 @@ static const char *point_name(const void *list, size_t i) {
     return ((const struct rk_point *)list)[i].name;
 }
 
+static const char *observable_name(const void *list, size_t i) {
+    return ((const char(*)[RK_PARAM_PATH])list)[i];
+}
+
 static enum rk_status find_point(const struct rk_study *study, const char *name, size_t *index,
                                  struct rk_error *err) {
     if (!name && study->point_count == 1) {
@@ -97,6 +99,27 @@ static enum rk_status find_point(const struct rk_study *study, const char *name,
                    nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
 }
 
+/* "probe.column" of the study's case; a near miss is named. */
+static enum rk_status check_observable(const struct rk_case *scene, const char *name,
+                                       struct rk_error *err) {
+    char known[256][RK_PARAM_PATH];
+    size_t count = 0;
+    for (size_t p = 0; p < scene->probes->count; p++) {
+        const struct rk_probe *probe = (const struct rk_probe *)scene->probes->pieces[p];
+        for (size_t c = 0; c < probe->count && count < 256; c++) {
+            snprintf(known[count], sizeof known[count], "%s.%s", probe->piece.name,
+                     probe->columns[c].name);
+            if (strcmp(known[count++], name) == 0) {
+                return RK_OK;
+            }
+        }
+    }
+    const char *nearest = rk_nearest_name(name, count, observable_name, known);
+    return rk_fail(err, RK_EINVALID, "there is no observable '%.64s'%s%s%s", name,
+                   nearest ? "; did you mean '" : "; they are called probe.column",
+                   nearest ? nearest : "", nearest ? "'?" : "");
+}
+
 static void warn(void *context, const char *line) {
     (void)context;
     rk_warn("%s", line);
@@ -111,7 +134,10 @@ static enum rk_status read_folder(const char *folder, const struct rk_study *stu
     size_t p = 0;
     enum rk_status status = find_point(study, o->point, &p, err);
     if (status == RK_OK) {
-        status = rk_plan_create(study, &plan, err);
+        status = check_observable(study->scene, o->observable, err);
+    }
+    if (status == RK_OK) {
+        status = rk_command_plan_folder(folder, study, &plan, err);
     }
     if (status == RK_OK) {
         status = rk_gather(folder, plan, p, o->observable, &notice, &g, err);

@@ -9,7 +9,7 @@
 #include <time.h>
 
 /* Grain-steps that a preparation may take, and seconds after which it is given up. */
-static const double affordable = 2e7;
+static const double affordable = 1.5e8;
 enum { PATIENCE = 8 };
 
 static double seconds_of(clockid_t clock) {

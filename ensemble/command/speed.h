@@ -11,8 +11,9 @@ struct rk_speed {
 };
 
 /* Prepare a bed of that point and time it for a moment. A scene whose preparation alone would take
- * longer than a second or so is timed with fewer grains ("grains.count"), since the time a grain
- * and step take depends on their number but weakly. Gives up after a few seconds. */
+ * longer than a few seconds is timed with fewer grains ("grains.count"), since the time a grain
+ * and step take depends on their number but weakly beyond a hundred. Gives up after a few seconds.
+ */
 struct rk_speed rk_speed_measure(const struct rk_study *study, const struct rk_point *point);
 
 #endif

@@ -1,10 +1,12 @@
 /* The store and the runner over a case that is not there: whose folder, what is kept, what is
  * noticed, and that no interruption changes a byte. */
+#include "ensemble/columns.h"
 #include "ensemble/files.h"
 #include "ensemble/runner.h"
 #include "fake_shaker.h"
 #include "scratch.h"
 
+#include <hdf5.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -31,6 +33,7 @@ struct fixture {
     struct rk_plan *plan;
     /* what the hooks are to do and have seen */
     int polls_left; /* stop after so many; -1: never */
+    double pace;    /* seconds between checkpoints */
     int messages;
     char last[800];
 };
@@ -55,6 +58,7 @@ static int make(void **state) {
     strcpy(f->points[0].name, "first");
     strcpy(f->points[1].name, "second");
     f->polls_left = -1;
+    f->pace = 1e9;
     plan_again(f);
     *state = f;
     return 0;
@@ -82,8 +86,11 @@ static void message(void *context, const char *line) {
 static enum rk_status run(struct fixture *f, const char *name, int threads,
                           struct rk_run_report *report, struct rk_error *err) {
     struct rk_store *store;
-    struct rk_runner_options options = {
-        .threads = threads, .stop = stop, .message = message, .context = f};
+    struct rk_runner_options options = {.threads = threads,
+                                        .checkpoint_every = f->pace,
+                                        .stop = stop,
+                                        .message = message,
+                                        .context = f};
     enum rk_status status = rk_store_open(scratch_path(f->folder, name), f->plan, &store, err);
     if (status == RK_OK) {
         status = rk_runner_run(f->plan, store, &options, report, err);
@@ -193,6 +200,7 @@ static void stops_change_nothing(void **state) {
     struct fixture *f = *state;
     struct rk_run_report report;
     expect_run(f, "straight", 1);
+    f->pace = 0; /* a checkpoint at every sample */
     int stops = 0;
     for (;; stops++) {
         f->polls_left = 17;
@@ -235,6 +243,7 @@ static void a_damaged_checkpoint_falls_back(void **state) {
         snprintf(out, sizeof out, "damaged-%u", which);
         f->polls_left = 40;
         f->messages = 0;
+        f->pace = 0;
         assert_int_equal(run(f, out, 1, &report, NULL), RK_EINTERRUPTED);
         for (size_t i = 0; i < 3; i++) {
             snprintf(path, sizeof path, "%s/%s", out, names[i]);
@@ -248,6 +257,7 @@ static void a_damaged_checkpoint_falls_back(void **state) {
             free(bytes);
         }
         f->polls_left = -1;
+        f->pace = 1e9;
         expect_run(f, out, 1);
         assert_int_equal(f->messages, which == 2 ? 0 : which == 1 ? 1 : 2);
         expect_same(f, "straight", out);
@@ -308,8 +318,7 @@ static void observables_are_read_back(void **state) {
                                          &report, NULL),
                      RK_OK);
     for (size_t i = 0; i < data.samples; i++) {
-        const struct rk_probe *probe = (const struct rk_probe *)fake_shaker.probes->pieces[0];
-        probe->sample(scene, &focus, row);
+        rk_columns_sample(&fake_shaker, scene, &focus, row);
         assert_true(data.values[i] == row[0]);
         assert_int_equal(rk_scene_step(scene, 40, NULL), RK_OK);
     }
@@ -321,6 +330,51 @@ static void observables_are_read_back(void **state) {
         assert_null(data.values);
     }
     assert_int_equal(rk_store_read("/nowhere", r, "intruder.height", &data, &err), RK_EIO);
+}
+
+/* More samples and frames than one chunk holds: every one is compared with the scene itself. */
+static void long_runs_cross_chunks(void **state) {
+    struct fixture *f = *state;
+    enum { PERIODS = 900, GRAINS = 256, FRAME = 200 };
+    f->study.replicas = 1;
+    f->params[1] = (struct fake_shaker_params){
+        .grains = GRAINS, .periods = PERIODS, .samples = 5, .frames = 1, .rotates = true};
+    f->params[0].periods = 1;
+    plan_again(f);
+    expect_run(f, "out", 1);
+    const struct rk_run *r = &f->plan->runs[1];
+    struct rk_observable data;
+    assert_int_equal(
+        rk_store_read(scratch_path(f->folder, "out"), r, "intruder.velocity", &data, NULL), RK_OK);
+    assert_int_equal(data.samples, PERIODS * 5 + 1);
+    float(*place)[GRAINS][2] = malloc((PERIODS + 1) * sizeof *place);
+    float(*angle)[GRAINS] = malloc((PERIODS + 1) * sizeof *angle);
+    hid_t file = H5Fopen(scratch_path(f->folder, "out/runs/second-0000.h5"), H5F_ACC_RDONLY, 0);
+    hid_t set = H5Dopen2(file, "particles/grains/position/value", 0);
+    assert_true(H5Dread(set, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, 0, place) >= 0);
+    H5Dclose(set);
+    set = H5Dopen2(file, "particles/grains/angle/value", 0);
+    assert_true(H5Dread(set, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, 0, angle) >= 0);
+    H5Dclose(set);
+    H5Fclose(file);
+    struct rk_scene *scene;
+    struct rk_preparation report;
+    fake_shaker.prepare(&f->params[1], rk_run_stream(f->plan, r, RK_FOR_GRAINS, 0), NULL, &scene,
+                        &report, NULL);
+    float now[GRAINS][2], turned[GRAINS];
+    for (size_t i = 0; i <= PERIODS; i++) {
+        double row[2];
+        rk_columns_sample(&fake_shaker, scene, &(struct rk_focus){0}, row);
+        assert_true(data.values[5 * i] == row[1]);
+        rk_scene_snapshot(scene, &(struct rk_snapshot){.position = &now[0][0], .angle = turned});
+        assert_memory_equal(now, place[i], sizeof now);
+        assert_memory_equal(turned, angle[i], sizeof turned);
+        rk_scene_step(scene, FRAME, NULL);
+    }
+    rk_scene_free(scene);
+    free(data.values);
+    free(place);
+    free(angle);
 }
 
 static void failures_are_results(void **state) {
@@ -392,6 +446,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(a_damaged_checkpoint_falls_back, make, clear),
         cmocka_unit_test_setup_teardown(a_damaged_file_is_told_and_done_again, make, clear),
         cmocka_unit_test_setup_teardown(observables_are_read_back, make, clear),
+        cmocka_unit_test_setup_teardown(long_runs_cross_chunks, make, clear),
         cmocka_unit_test_setup_teardown(failures_are_results, make, clear),
         cmocka_unit_test_setup_teardown(a_full_disk_is_told_and_overcome, make, clear),
     };
