@@ -5,6 +5,10 @@
  *     study.h5         index over the runs, analyses                    frames so far, append-only
  *     lock             held by the program at work     runs/<id>.ckpt   while it runs: checkpoint
  *
+ * Next to a checkpoint lies the one before, runs/<id>.ckpt.old; a run's file that was found damaged
+ * is kept as runs/<id>.h5.damaged. The formats are in h5md.h, index.h, seal.h, spool.h,
+ * checkpoint.h and plan_file.h.
+ *
  * A run's file is complete or it is not there: it is written in one pass from the finished spool
  * to a temporary file, synced, and renamed. Written in one pass it has the same bytes however
  * often the run was killed and resumed on the way.

@@ -33,6 +33,7 @@ struct fixture {
     struct rk_plan *plan;
     /* what the hooks are to do and have seen */
     int polls_left; /* stop after so many; -1: never */
+    double pace;    /* seconds between checkpoints */
     int messages;
     char last[800];
 };
@@ -57,6 +58,7 @@ static int make(void **state) {
     strcpy(f->points[0].name, "first");
     strcpy(f->points[1].name, "second");
     f->polls_left = -1;
+    f->pace = 1e9;
     plan_again(f);
     *state = f;
     return 0;
@@ -84,8 +86,11 @@ static void message(void *context, const char *line) {
 static enum rk_status run(struct fixture *f, const char *name, int threads,
                           struct rk_run_report *report, struct rk_error *err) {
     struct rk_store *store;
-    struct rk_runner_options options = {
-        .threads = threads, .stop = stop, .message = message, .context = f};
+    struct rk_runner_options options = {.threads = threads,
+                                        .checkpoint_every = f->pace,
+                                        .stop = stop,
+                                        .message = message,
+                                        .context = f};
     enum rk_status status = rk_store_open(scratch_path(f->folder, name), f->plan, &store, err);
     if (status == RK_OK) {
         status = rk_runner_run(f->plan, store, &options, report, err);
@@ -195,6 +200,7 @@ static void stops_change_nothing(void **state) {
     struct fixture *f = *state;
     struct rk_run_report report;
     expect_run(f, "straight", 1);
+    f->pace = 0; /* a checkpoint at every sample */
     int stops = 0;
     for (;; stops++) {
         f->polls_left = 17;
@@ -237,6 +243,7 @@ static void a_damaged_checkpoint_falls_back(void **state) {
         snprintf(out, sizeof out, "damaged-%u", which);
         f->polls_left = 40;
         f->messages = 0;
+        f->pace = 0;
         assert_int_equal(run(f, out, 1, &report, NULL), RK_EINTERRUPTED);
         for (size_t i = 0; i < 3; i++) {
             snprintf(path, sizeof path, "%s/%s", out, names[i]);
@@ -250,6 +257,7 @@ static void a_damaged_checkpoint_falls_back(void **state) {
             free(bytes);
         }
         f->polls_left = -1;
+        f->pace = 1e9;
         expect_run(f, out, 1);
         assert_int_equal(f->messages, which == 2 ? 0 : which == 1 ? 1 : 2);
         expect_same(f, "straight", out);
