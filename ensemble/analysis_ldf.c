@@ -189,7 +189,7 @@ static void write_axes(const struct rk_picture *p, FILE *out) {
     }
     fprintf(out,
             "set xlabel \"a, %s%s%s\" noenhanced\nset ylabel \"rate function I(a)%s\" "
-            "noenhanced\nset yrange [0:*]\nset key top center\n"
+            "noenhanced\nset yrange [0:*]\nset key below height 1.2\n"
             "set arrow 1 from 0, graph 0 to 0, graph 1 nohead linecolor rgb \"#999999\" "
             "dashtype 3\n",
             p->quantity ? p->quantity : "vertical velocity of the intruder averaged", tau, unit[0],

@@ -124,12 +124,12 @@ static void find_range(const struct rk_picture *p, double *low, double *high) {
 static void picture(const struct rk_picture *p, FILE *out) {
     double low, high;
     find_range(p, &low, &high);
-    rk_plot_begin_panels(p, "time [periods]", "height of the intruder above the plate [d]", out);
-    fprintf(out, "set yrange [%.4g:%.4g]\nset key top left reverse Left\n", low, high);
+    rk_plot_begin_panels(p, "time [periods]", out);
+    fprintf(out, "set yrange [%.4g:%.4g]\nset key below height 1.2\n", low, high);
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
         const char *colour = rk_plot_colour(i);
-        rk_plot_panel(p, i, out);
+        rk_plot_panel(p, i, "height of the intruder above the plate [d]", out);
         fprintf(out, "set title \"%s: ", panel->point);
         headline(panel->result, out);
         fprintf(out,

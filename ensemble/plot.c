@@ -13,8 +13,10 @@ const char *rk_plot_colour(size_t i) {
     return colours[i % RK_PANELS_MAX];
 }
 
+/* 1, 2, 3, 2 x 2, 3 x 2, 4 x 2. */
 static int columns_of(const struct rk_picture *picture) {
-    return picture->count <= 3 ? (int)picture->count : picture->count <= 4 ? 2 : 4;
+    int count = (int)picture->count;
+    return count <= 3 ? count : (count + 1) / 2;
 }
 
 static int rows_of(const struct rk_picture *picture) {
@@ -40,19 +42,15 @@ void rk_plot_begin(const struct rk_picture *picture, bool panels, FILE *out) {
     }
 }
 
-void rk_plot_begin_panels(const struct rk_picture *picture, const char *xlabel, const char *ylabel,
-                          FILE *out) {
+void rk_plot_begin_panels(const struct rk_picture *picture, const char *xlabel, FILE *out) {
     fprintf(out,
             "set multiplot layout %d,%d title \"%s\" noenhanced\n"
-            "set xlabel \"%s\"\nset ylabel \"%s\"\n",
-            rows_of(picture), columns_of(picture), picture->title, xlabel, ylabel);
+            "set xlabel \"%s\"\n",
+            rows_of(picture), columns_of(picture), picture->title, xlabel);
 }
 
-void rk_plot_panel(const struct rk_picture *picture, size_t i, FILE *out) {
-    int columns = columns_of(picture);
-    if (i > 0 && (int)i % columns != 0) {
-        fprintf(out, "unset ylabel\n");
-    }
+void rk_plot_panel(const struct rk_picture *picture, size_t i, const char *ylabel, FILE *out) {
+    fprintf(out, "set ylabel \"%s\"\n", (int)i % columns_of(picture) == 0 ? ylabel : "");
 }
 
 /* In the child: to the folder, quiet, gnuplot. _exit(127) when it cannot be started. */

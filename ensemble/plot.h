@@ -31,10 +31,9 @@ const char *rk_plot_colour(size_t i);
 /* Open the script: terminal, fonts, output. */
 void rk_plot_begin(const struct rk_picture *picture, bool panels, FILE *out);
 
-/* A grid of panels with common labels; rk_plot_panel goes to the i-th. */
-void rk_plot_begin_panels(const struct rk_picture *picture, const char *xlabel, const char *ylabel,
-                          FILE *out);
-void rk_plot_panel(const struct rk_picture *picture, size_t i, FILE *out);
+/* A grid of panels; rk_plot_panel goes to the i-th, the first of a row has the label of y. */
+void rk_plot_begin_panels(const struct rk_picture *picture, const char *xlabel, FILE *out);
+void rk_plot_panel(const struct rk_picture *picture, size_t i, const char *ylabel, FILE *out);
 
 /* Run gnuplot on `script`, a name in `folder`. RK_EIO when there is no gnuplot or it fails. */
 enum rk_status rk_plot_run(const char *folder, const char *script, struct rk_error *err);
