@@ -14,7 +14,7 @@ extern const struct rk_registry rk_analysis_registry; /* rise, ldf */
 struct rk_analysis {
     struct rk_piece piece;
     const struct rk_param_table *params;
-    /* the rest is private to ensemble/analysis.c and its pieces */
+    /* the rest is private to ensemble/analysis/analysis.c and its pieces */
     const struct rk_analysis_methods *methods;
 };
 

@@ -1,7 +1,7 @@
 /* reckon analyze: every analysis that the study of a folder asks for. */
+#include "ensemble/analysis/report.h"
+#include "ensemble/analysis/report_index.h"
 #include "ensemble/command/command.h"
-#include "ensemble/report.h"
-#include "ensemble/report_index.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* reckon check: what a study will run, what it costs, and what is doubtful about it. */
+#include "ensemble/analysis/json.h"
 #include "ensemble/command/command.h"
 #include "ensemble/command/speed.h"
-#include "ensemble/json.h"
 
 #include <math.h>
 #include <omp.h>

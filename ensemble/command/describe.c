@@ -2,8 +2,8 @@
  */
 #include "cases/cases.h"
 #include "ensemble/analysis.h"
+#include "ensemble/analysis/json.h"
 #include "ensemble/command/command.h"
-#include "ensemble/json.h"
 
 #include <math.h>
 #include <stdio.h>

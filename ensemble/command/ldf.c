@@ -1,11 +1,11 @@
 /* reckon ldf: the large-deviation function of a point of a study, of any HDF5 dataset or of any
  * column of a CSV file. */
-#include "ensemble/analysis_ldf.h"
+#include "ensemble/analysis/ldf.h"
+#include "ensemble/analysis/json.h"
+#include "ensemble/analysis/report.h"
 #include "ensemble/command/command.h"
-#include "ensemble/dataset.h"
-#include "ensemble/json.h"
-#include "ensemble/report.h"
-#include "ensemble/table.h"
+#include "ensemble/input/dataset.h"
+#include "ensemble/input/table.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* Studies as the subcommands take them. */
 #include "ensemble/command/command.h"
-#include "ensemble/plan_file.h"
+#include "ensemble/store/plan_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>

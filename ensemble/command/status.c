@@ -1,6 +1,6 @@
 /* reckon status: how far a study's folder is, from any terminal, touching nothing. */
+#include "ensemble/analysis/json.h"
 #include "ensemble/command/command.h"
-#include "ensemble/json.h"
 #include "ensemble/store.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 #include "fake_case.h"
 
-#include "ensemble/analysis_private.h"
+#include "ensemble/analysis/private.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* Analyses on heights whose rate is known, and the tables they end in. */
 #include "base/memory.h"
-#include "ensemble/analysis_private.h"
-#include "ensemble/json.h"
+#include "ensemble/analysis/json.h"
+#include "ensemble/analysis/private.h"
 #include "stats/stats.h"
 
 #include <math.h>

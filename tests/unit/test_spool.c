@@ -1,6 +1,6 @@
 /* Spool and checkpoint: what comes back, and that damage anywhere is noticed. */
-#include "ensemble/checkpoint.h"
-#include "ensemble/spool.h"
+#include "ensemble/store/checkpoint.h"
+#include "ensemble/store/spool.h"
 #include "scratch.h"
 
 #include <setjmp.h>

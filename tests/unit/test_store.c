@@ -1,8 +1,8 @@
 /* The store and the runner over a case that is not there: whose folder, what is kept, what is
  * noticed, and that no interruption changes a byte. */
-#include "ensemble/columns.h"
-#include "ensemble/files.h"
 #include "ensemble/runner.h"
+#include "ensemble/store/columns.h"
+#include "ensemble/store/files.h"
 #include "fake_shaker.h"
 #include "scratch.h"
 

@@ -1,6 +1,6 @@
 /* Study files: what loads back, what is refused and where the finger points. */
 #include "ensemble/study.h"
-#include "ensemble/yaml.h"
+#include "ensemble/study/yaml.h"
 #include "fake_case.h"
 
 #include <setjmp.h>

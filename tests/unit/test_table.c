@@ -1,7 +1,7 @@
 /* CSV files: what is read, what is refused and where, and that nothing crashes. */
 #include "base/random.h"
-#include "ensemble/number.h"
-#include "ensemble/table.h"
+#include "ensemble/analysis/number.h"
+#include "ensemble/input/table.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,0 +1,23 @@
+/* A large-deviation function as results, whatever it was estimated from. */
+#ifndef RK_ENSEMBLE_ANALYSIS_LDF_H
+#define RK_ENSEMBLE_ANALYSIS_LDF_H
+
+#include "ensemble/analysis/result.h"
+#include "stats/stats.h"
+
+/* Units of the averaged quantity, of time, and of what follows; constant texts. */
+struct rk_ldf_units {
+    const char *value, *time, *per_time, *k;
+};
+
+void rk_ldf_fill(struct rk_result *result, const struct rk_ldf *ldf,
+                 const struct rk_ldf_units *units);
+
+/* The scalars that a reader looks for first, as lines of text. */
+void rk_ldf_print(const struct rk_result *result, FILE *out);
+
+/* Draw it at `path`, which ends in ".png", with its table and script beside it. RK_EINVALID: no
+ * such name; RK_EIO: cannot be written or drawn. */
+enum rk_status rk_ldf_plot(const struct rk_result *result, const char *path, struct rk_error *err);
+
+#endif

@@ -1,0 +1,48 @@
+/* What an analysis does: private to ensemble/analysis*.c and its callers in this folder. */
+#ifndef RK_ENSEMBLE_ANALYSIS_PRIVATE_H
+#define RK_ENSEMBLE_ANALYSIS_PRIVATE_H
+
+#include "cases/cases.h"
+#include "ensemble/analysis.h"
+#include "ensemble/analysis/result.h"
+
+#include <stdio.h>
+
+struct rk_series;
+
+/* The height of the intruder above the plate in the runs of one point that are done. */
+struct rk_point_data {
+    const char *point;
+    const struct rk_series *series; /* an integral of the velocity, in d */
+    uint64_t samples_per_period;    /* intervals of the series a period */
+    double period;                  /* in the time of the series */
+    struct rk_stream stream;        /* of the bootstrap */
+};
+
+struct rk_picture; /* ensemble/analysis/plot.h */
+
+struct rk_analysis_methods {
+    /* Can runs of that schedule be analysed so? RK_EINVALID with err->subject. */
+    enum rk_status (*check)(const void *params, const struct rk_schedule *schedule,
+                            struct rk_error *err);
+    /* Fill `result`. RK_EREFUSED (the data do not support it; the message is for the user). */
+    enum rk_status (*estimate)(const void *params, const struct rk_point_data *data,
+                               struct rk_result *result, struct rk_error *err);
+    /* The closing table: its title, the head of its columns, and a row without line end. */
+    const char *title, *head;
+    void (*headline)(const struct rk_result *result, FILE *out);
+    /* Write the gnuplot commands of its picture after those that open it. */
+    void (*picture)(const struct rk_picture *picture, FILE *out);
+    bool panels; /* one panel a point, otherwise all points in one */
+};
+
+extern const struct rk_analysis rk_analysis_rise, rk_analysis_ldf;
+
+/* Whole periods in a run. */
+uint64_t rk_analysis_periods(const struct rk_schedule *schedule);
+
+/* Is [from, to) of periods (to = 0: the end) inside a run? RK_EINVALID about "from" or "to". */
+enum rk_status rk_analysis_check_span(uint64_t from, uint64_t to,
+                                      const struct rk_schedule *schedule, struct rk_error *err);
+
+#endif

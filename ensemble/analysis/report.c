@@ -1,0 +1,128 @@
+#include "ensemble/analysis/report.h"
+
+#include "ensemble/analysis/private.h"
+#include "stats/stats.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A refusal is an outcome; only a shortage of memory ends the whole report. */
+static enum rk_status estimate(const struct rk_plan *plan, size_t p, const struct rk_gathered *g,
+                               const struct rk_request *request, struct rk_outcome *outcome,
+                               struct rk_error *err) {
+    const struct rk_study *study = plan->study;
+    const struct rk_point *point = &study->points[p];
+    struct rk_schedule schedule = study->scene->schedule(point->params);
+    struct rk_series series = {g->values, g->done, g->samples, g->samples, g->lengths, g->interval};
+    struct rk_point_data data = {
+        .point = point->name,
+        .series = &series,
+        .samples_per_period = schedule.samples_per_period,
+        .period = schedule.period,
+        .stream = rk_stream_of(study->seed, point->key, 0, RK_FOR_BOOTSTRAP, 0),
+    };
+    struct rk_error reason = RK_NO_ERROR;
+    enum rk_status status = g->done > 0
+                                ? request->analysis->methods->estimate(request->params, &data,
+                                                                       &outcome->result, &reason)
+                                : rk_fail(&reason, RK_EREFUSED, "no run of this point is done");
+    outcome->point = point->name;
+    outcome->used = g->done;
+    outcome->failed = g->failed;
+    outcome->missing = g->missing;
+    if (status == RK_EMEMORY || outcome->result.short_of_memory) {
+        return rk_fail(err, RK_EMEMORY, "out of memory in the analysis of point %s", point->name);
+    }
+    if (status != RK_OK) {
+        rk_result_clear(&outcome->result);
+        outcome->result.refused = true;
+        snprintf(outcome->result.verdict, sizeof outcome->result.verdict, "%s", reason.message);
+    }
+    return RK_OK;
+}
+
+static enum rk_status fill(const char *folder, const struct rk_notice *notice,
+                           struct rk_report *report, struct rk_error *err) {
+    const struct rk_plan *plan = report->plan;
+    enum rk_status status = RK_OK;
+    for (size_t p = 0; p < plan->study->point_count && status == RK_OK; p++) {
+        struct rk_gathered g;
+        status = rk_gather(folder, plan, p, RK_REPORT_OBSERVABLE, notice, &g, err);
+        for (size_t i = 0; i < report->count && status == RK_OK; i++) {
+            status = estimate(plan, p, &g, report->entries[i].request,
+                              &report->entries[i].outcomes[p], err);
+        }
+        report->used += g.done;
+        rk_gathered_clear(&g);
+    }
+    if (status == RK_OK && report->used == 0) {
+        return rk_fail(err, RK_EIO,
+                       "no run of this study is done yet; 'reckon run' carries them "
+                       "out");
+    }
+    return status;
+}
+
+static enum rk_status set_up(struct rk_report *report, struct rk_error *err) {
+    const struct rk_study *study = report->plan->study;
+    report->entries = calloc(study->request_count + 1, sizeof *report->entries);
+    if (!report->entries) {
+        return rk_fail(err, RK_EMEMORY, "out of memory");
+    }
+    report->count = study->request_count;
+    for (size_t i = 0; i < report->count; i++) {
+        struct rk_report_entry *entry = &report->entries[i];
+        size_t before = 0;
+        entry->request = &study->requests[i];
+        for (size_t j = 0; j < i; j++) {
+            before += study->requests[j].analysis == study->requests[i].analysis;
+        }
+        const char *name = entry->request->analysis->piece.name;
+        if (before > 0) {
+            snprintf(entry->label, sizeof entry->label, "%s-%zu", name, before + 1);
+        } else {
+            snprintf(entry->label, sizeof entry->label, "%s", name);
+        }
+        entry->outcomes = calloc(study->point_count, sizeof *entry->outcomes);
+        if (!entry->outcomes) {
+            return rk_fail(err, RK_EMEMORY, "out of memory");
+        }
+    }
+    return RK_OK;
+}
+
+enum rk_status rk_report_create(const char *folder, const struct rk_plan *plan,
+                                const struct rk_notice *notice, struct rk_report **report,
+                                struct rk_error *err) {
+    *report = NULL;
+    struct rk_report *made = calloc(1, sizeof *made);
+    if (!made) {
+        return rk_fail(err, RK_EMEMORY, "out of memory");
+    }
+    made->plan = plan;
+    enum rk_status status = set_up(made, err);
+    if (status == RK_OK) {
+        status = fill(folder, notice, made, err);
+    }
+    if (status == RK_OK) {
+        *report = made;
+    } else {
+        rk_report_free(made);
+    }
+    return status;
+}
+
+void rk_report_free(struct rk_report *report) {
+    if (!report) {
+        return;
+    }
+    for (size_t i = 0; report->entries && i < report->count; i++) {
+        struct rk_outcome *outcomes = report->entries[i].outcomes;
+        for (size_t p = 0; outcomes && p < report->plan->study->point_count; p++) {
+            rk_result_clear(&outcomes[p].result);
+        }
+        free(outcomes);
+    }
+    free(report->entries);
+    free(report);
+}

@@ -1,0 +1,73 @@
+/* The analyses of a study carried out on what its folder holds, and how they are given out.
+ *
+ * The same folder gives the same bytes: nothing of the date, the machine or the order in which
+ * runs ended goes into a report. A run that is not done, went wrong or cannot be read is counted
+ * and left out; it never keeps the others from being analysed.
+ */
+#ifndef RK_ENSEMBLE_ANALYSIS_REPORT_H
+#define RK_ENSEMBLE_ANALYSIS_REPORT_H
+
+#include "ensemble/analysis/result.h"
+#include "ensemble/study.h"
+
+#include <stdio.h>
+
+/* The observable that the analyses are about, as rk_store_read knows it. */
+#define RK_REPORT_OBSERVABLE "intruder.height"
+
+struct rk_report_entry {
+    char label[RK_NAME]; /* "ldf"; "ldf-2" for the second of a kind */
+    const struct rk_request *request;
+    struct rk_outcome *outcomes; /* [points of the study] */
+};
+
+struct rk_report {
+    const struct rk_plan *plan;
+    struct rk_report_entry *entries;
+    size_t count;
+    size_t used; /* runs */
+};
+
+/* Told about what is left out or not drawn. */
+struct rk_notice {
+    void (*say)(void *context, const char *line);
+    void *context;
+};
+
+/* One observable of the runs of a point that are done: values[run * samples + i], of which the
+ * first lengths[run] are there. */
+struct rk_gathered {
+    double *values;
+    size_t *lengths;
+    size_t samples, done, failed, missing;
+    double interval;
+};
+
+/* Gather it; release with rk_gathered_clear, also after a failure (RK_EMEMORY). */
+enum rk_status rk_gather(const char *folder, const struct rk_plan *plan, size_t point,
+                         const char *observable, const struct rk_notice *notice,
+                         struct rk_gathered *g, struct rk_error *err);
+void rk_gathered_clear(struct rk_gathered *g);
+
+/* Carry out the study's analyses on the runs that are done. *report is the caller's; it points
+ * into the plan. RK_EIO when no run is done; RK_EMEMORY. */
+enum rk_status rk_report_create(const char *folder, const struct rk_plan *plan,
+                                const struct rk_notice *notice, struct rk_report **report,
+                                struct rk_error *err);
+void rk_report_free(struct rk_report *report);
+
+/* Write `folder`/analysis: for each analysis a table of its scalars (LABEL.csv), a table a point
+ * (LABEL.POINT.csv), everything as LABEL.json, and a picture with its script (LABEL.gp, .png).
+ * Each file is complete or as it was. A picture that cannot be drawn is a notice, no failure. */
+enum rk_status rk_report_write(const struct rk_report *report, const char *folder,
+                               const struct rk_notice *notice, struct rk_error *err);
+
+/* The closing table, and the same for machines. */
+void rk_report_print(const struct rk_report *report, FILE *out);
+void rk_report_print_json(const struct rk_report *report, FILE *out);
+
+/* One analysis as JSON, as in LABEL.json. */
+void rk_report_entry_json(const struct rk_report *report, const struct rk_report_entry *entry,
+                          FILE *out);
+
+#endif

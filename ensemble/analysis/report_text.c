@@ -1,0 +1,136 @@
+/* A report on the terminal and for machines. */
+#include "ensemble/analysis/json.h"
+#include "ensemble/analysis/private.h"
+#include "ensemble/analysis/report.h"
+
+#include <math.h>
+#include <string.h>
+
+static int point_width(const struct rk_study *study) {
+    size_t width = strlen("point");
+    for (size_t p = 0; p < study->point_count; p++) {
+        size_t length = strlen(study->points[p].name);
+        width = length > width ? length : width;
+    }
+    return (int)width;
+}
+
+/* "level = 0.95", "from = 10": every parameter of the analysis. */
+static void print_params(const struct rk_request *request, FILE *out) {
+    const struct rk_param_table *table = request->analysis->params;
+    size_t total = rk_param_total(table);
+    for (size_t i = 0; i < total; i++) {
+        struct rk_param_ref ref = rk_param_at(table, i);
+        char path[RK_PARAM_PATH], text[RK_PARAM_TEXT];
+        rk_param_path(ref, path);
+        rk_param_text(ref, request->params, text);
+        fprintf(out, "%s%s %s", i ? ", " : "", path, text);
+    }
+}
+
+/* The level of the intervals, as the results carry it; NaN when every point is refused. */
+static double level_of(const struct rk_report_entry *entry, const struct rk_study *study) {
+    for (size_t p = 0; p < study->point_count; p++) {
+        if (!entry->outcomes[p].result.refused) {
+            return rk_result_number(&entry->outcomes[p].result, "level");
+        }
+    }
+    return NAN;
+}
+
+static void print_entry(const struct rk_report_entry *entry, const struct rk_study *study,
+                        FILE *out) {
+    const struct rk_analysis_methods *methods = entry->request->analysis->methods;
+    int width = point_width(study);
+    double level = level_of(entry, study);
+    fprintf(out, "%s: %s", entry->label, methods->title);
+    if (!isnan(level)) {
+        fprintf(out, ", with %g %% intervals", 100 * level);
+    }
+    fprintf(out, "\n(");
+    print_params(entry->request, out);
+    fprintf(out, ")\n  %-*s  %5s %6s %7s  %s\n", width, "point", "used", "failed", "missing",
+            methods->head);
+    for (size_t p = 0; p < study->point_count; p++) {
+        const struct rk_outcome *o = &entry->outcomes[p];
+        fprintf(out, "  %-*s  %5zu %6zu %7zu  ", width, o->point, o->used, o->failed, o->missing);
+        if (o->result.refused) {
+            fprintf(out, "refused");
+        } else {
+            methods->headline(&o->result, out);
+        }
+        fputc('\n', out);
+    }
+    for (size_t p = 0; p < study->point_count; p++) {
+        fprintf(out, "  %s: %s\n", entry->outcomes[p].point, entry->outcomes[p].result.verdict);
+    }
+}
+
+void rk_report_print(const struct rk_report *report, FILE *out) {
+    for (size_t i = 0; i < report->count; i++) {
+        if (i > 0) {
+            fputc('\n', out);
+        }
+        print_entry(&report->entries[i], report->plan->study, out);
+    }
+}
+
+static void write_entry(const struct rk_report *report, const struct rk_report_entry *entry,
+                        struct rk_json *json) {
+    const struct rk_study *study = report->plan->study;
+    const struct rk_param_table *table = entry->request->analysis->params;
+    size_t total = rk_param_total(table);
+    rk_json_text(json, "analysis", entry->request->analysis->piece.name);
+    rk_json_text(json, "title", entry->request->analysis->methods->title);
+    rk_json_open_map(json, "parameters");
+    for (size_t i = 0; i < total; i++) {
+        char path[RK_PARAM_PATH], text[RK_PARAM_TEXT];
+        rk_param_path(rk_param_at(table, i), path);
+        rk_param_text(rk_param_at(table, i), entry->request->params, text);
+        rk_json_text(json, path, text);
+    }
+    rk_json_close(json);
+    rk_json_open_list(json, "points");
+    for (size_t p = 0; p < study->point_count; p++) {
+        const struct rk_outcome *o = &entry->outcomes[p];
+        rk_json_open_map(json, NULL);
+        rk_json_text(json, "point", o->point);
+        rk_json_count(json, "used", o->used);
+        rk_json_count(json, "failed", o->failed);
+        rk_json_count(json, "missing", o->missing);
+        rk_result_write_json(&o->result, json);
+        rk_json_close(json);
+    }
+    rk_json_close(json);
+}
+
+static void write_study(const struct rk_report *report, struct rk_json *json) {
+    const struct rk_study *study = report->plan->study;
+    rk_json_text(json, "study", study->name);
+    rk_json_text(json, "case", study->scene->piece.name);
+    rk_json_count(json, "seed", study->seed);
+    rk_json_text(json, "identity", report->plan->identity);
+}
+
+void rk_report_entry_json(const struct rk_report *report, const struct rk_report_entry *entry,
+                          FILE *out) {
+    struct rk_json json = rk_json_of(out);
+    rk_json_open_map(&json, NULL);
+    write_study(report, &json);
+    write_entry(report, entry, &json);
+    rk_json_close(&json);
+}
+
+void rk_report_print_json(const struct rk_report *report, FILE *out) {
+    struct rk_json json = rk_json_of(out);
+    rk_json_open_map(&json, NULL);
+    write_study(report, &json);
+    rk_json_open_map(&json, "analyses");
+    for (size_t i = 0; i < report->count; i++) {
+        rk_json_open_map(&json, report->entries[i].label);
+        write_entry(report, &report->entries[i], &json);
+        rk_json_close(&json);
+    }
+    rk_json_close(&json);
+    rk_json_close(&json);
+}

@@ -1,0 +1,71 @@
+/* Results: named numbers with unit and meaning, and the one writer of each format.
+ *
+ * An analysis of one point ends in a struct rk_result: scalars ("rate", "rate_low"), columns of
+ * one common length ("k", "lambda", ...) and a verdict in words. From that list CSV and JSON are
+ * written here, and the HDF5 groups of the index by the store, so that no format knows more than
+ * another. Numbers are written with the fewest digits that read back to the same double; what is
+ * not a number is "nan" in CSV and null in JSON.
+ *
+ * Names, units and docs are constant texts that outlive the result. Memory: rk_result_free.
+ * Adding never fails loudly: a shortage of memory is kept in `short_of_memory`, to be asked once.
+ */
+#ifndef RK_ENSEMBLE_ANALYSIS_RESULT_H
+#define RK_ENSEMBLE_ANALYSIS_RESULT_H
+
+#include "base/error.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+struct rk_value {
+    const char *name, *unit, *doc;
+    bool scalar;
+    size_t count;             /* 1 for a scalar */
+    double *numbers;          /* [count], NULL for words */
+    const char *const *words; /* [count], constant texts, owned; NULL for numbers */
+};
+
+struct rk_result {
+    struct rk_value *values;
+    size_t count, room;
+    bool refused;      /* the data do not support it: `verdict` says why, there are no values */
+    char verdict[640]; /* in words, one line */
+    bool short_of_memory;
+};
+
+void rk_result_init(struct rk_result *result);
+void rk_result_clear(struct rk_result *result);
+
+void rk_result_scalar(struct rk_result *result, const char *name, const char *unit, const char *doc,
+                      double value);
+void rk_result_column(struct rk_result *result, const char *name, const char *unit, const char *doc,
+                      size_t count, const double *values);
+void rk_result_words(struct rk_result *result, const char *name, const char *doc, size_t count,
+                     const char *const *words);
+
+/* The value of that name, or NULL; the scalar of that name, or NaN. */
+const struct rk_value *rk_result_find(const struct rk_result *result, const char *name);
+double rk_result_number(const struct rk_result *result, const char *name);
+
+/* How many rows the columns have, 0 without columns. */
+size_t rk_result_rows(const struct rk_result *result);
+
+/* The columns as CSV: '#' lines say what they are, then one line of names, then the rows. */
+void rk_result_write_csv(const struct rk_result *result, FILE *out);
+
+/* A result of one point, with what was there to make it from. */
+struct rk_outcome {
+    const char *point;
+    size_t used, failed, missing; /* replicas */
+    struct rk_result result;
+};
+
+/* The scalars of the outcomes as CSV, a row each, after point, used, failed and missing. */
+void rk_outcomes_write_csv(const struct rk_outcome *outcomes, size_t count, FILE *out);
+
+/* Everything, as JSON. */
+struct rk_json;
+void rk_result_write_json(const struct rk_result *result, struct rk_json *json);
+
+#endif

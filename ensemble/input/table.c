@@ -1,0 +1,375 @@
+#include "ensemble/input/table.h"
+
+#include "ensemble/analysis/number.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+struct row {
+    double value, replica;
+};
+
+struct reader {
+    FILE *file;
+    const char *path;
+    const struct rk_table_request *request;
+    struct rk_error *err;
+    char *line; /* [RK_TABLE_LINE + 1] */
+    size_t number;
+    char separator;         /* 0 until known; ' ' for runs of blanks */
+    size_t column, replica; /* indices of the columns wanted */
+    bool ready;             /* they are known */
+    struct row *rows;
+    size_t count, room;
+};
+
+/* A field in place: its text and where it stands, from 1. */
+struct field {
+    char *text;
+    size_t column;
+};
+
+static enum rk_status wrong(const struct reader *r, size_t column, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+static enum rk_status wrong(const struct reader *r, size_t column, const char *format, ...) {
+    char message[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    rk_fail(r->err, RK_EINVALID, "%s", message);
+    rk_error_locate(r->err, "%s:%zu:%zu", r->path, r->number, column);
+    return RK_EINVALID;
+}
+
+/* The next line without its end; *more is false after the last. */
+static enum rk_status next_line(struct reader *r, bool *more) {
+    size_t length = 0;
+    int c;
+    r->number++;
+    while ((c = getc_unlocked(r->file)) != EOF && c != '\n') {
+        if (length == RK_TABLE_LINE) {
+            return wrong(r, 1, "a line longer than one MiB: this is not a table");
+        }
+        if (c == '\0') {
+            return wrong(r, length + 1, "a NUL byte: this is not a text file");
+        }
+        r->line[length++] = (char)c;
+    }
+    if (c == EOF && ferror(r->file)) {
+        rk_fail(r->err, RK_EIO, "cannot be read: %s", strerror(errno));
+        rk_error_locate(r->err, "%s", r->path);
+        return RK_EIO;
+    }
+    *more = c != EOF || length > 0;
+    if (length > 0 && r->line[length - 1] == '\r') {
+        length--;
+    }
+    r->line[length] = '\0';
+    return RK_OK;
+}
+
+static char separator_of(const char *line) {
+    const char *const candidates = ",;\t";
+    for (const char *c = candidates; *c != '\0'; c++) {
+        if (strchr(line, *c)) {
+            return *c;
+        }
+    }
+    return ' ';
+}
+
+/* End the field that begins at `text` (after blanks) and strip quotes; returns what follows it,
+ * NULL after the last. An unclosed quote sets *broken. */
+static char *cut(char *text, char separator, struct field *field, bool *broken) {
+    char *start = text + strspn(text, separator == '\t' ? " " : " \t");
+    char *end;
+    field->text = start;
+    if (*start == '"') {
+        char *to = field->text = start + 1;
+        for (end = start + 1; *end != '\0' && (*end != '"' || end[1] == '"'); end++) {
+            end += *end == '"';
+            *to++ = *end;
+        }
+        *broken = *end != '"';
+        end += *end == '"';
+        end += strcspn(end, (char[]){separator, '\0'});
+        char last = *end;
+        *to = '\0';
+        return last == '\0' ? NULL : end + 1;
+    }
+    end = start +
+          (separator == ' ' ? strcspn(start, " \t") : strcspn(start, (char[]){separator, '\0'}));
+    char last = *end;
+    *end = '\0';
+    for (char *tail = end; tail > start && (tail[-1] == ' ' || tail[-1] == '\t'); tail--) {
+        tail[-1] = '\0';
+    }
+    if (separator == ' ' && last != '\0') {
+        end += 1 + strspn(end + 1, " \t");
+        return *end == '\0' ? NULL : end;
+    }
+    return last == '\0' ? NULL : end + 1;
+}
+
+static enum rk_status split(struct reader *r, struct field *fields, size_t *count) {
+    char *rest = r->line;
+    *count = 0;
+    while (rest) {
+        bool broken = false;
+        if (*count == RK_TABLE_FIELDS) {
+            return wrong(r, 1, "more than %d columns", RK_TABLE_FIELDS);
+        }
+        struct field *field = &fields[(*count)++];
+        char *next = cut(rest, r->separator, field, &broken);
+        field->column = (size_t)(field->text - r->line) + 1;
+        if (broken) {
+            return wrong(r, field->column, "a quote is not closed in its line");
+        }
+        rest = next;
+    }
+    return RK_OK;
+}
+
+/* Up to a few names of the header, for messages. */
+static void list_names(const struct field *fields, size_t count, char *text, size_t size) {
+    size_t used = 0;
+    text[0] = '\0';
+    for (size_t i = 0; i < count && i < 12 && used + 40 < size; i++) {
+        used +=
+            (size_t)snprintf(text + used, size - used, "%s%.32s", i ? ", " : "", fields[i].text);
+    }
+}
+
+static enum rk_status choose(struct reader *r, const char *wanted, bool header,
+                             const struct field *fields, size_t count, size_t *index) {
+    char names[320];
+    list_names(fields, count, names, sizeof names);
+    if (!wanted && count == 1) {
+        *index = 0;
+        return RK_OK;
+    }
+    if (!wanted) {
+        return wrong(r, 1, "%zu columns%s%s; say which one, by name or number", count,
+                     header ? ": " : "", header ? names : "");
+    }
+    for (size_t i = 0; header && i < count; i++) {
+        if (strcmp(fields[i].text, wanted) == 0) {
+            *index = i;
+            return RK_OK;
+        }
+    }
+    char *end;
+    unsigned long long number = strtoull(wanted, &end, 10);
+    if (wanted[0] >= '0' && wanted[0] <= '9' && *end == '\0' && number >= 1 && number <= count) {
+        *index = (size_t)number - 1;
+        return RK_OK;
+    }
+    return wrong(r, 1, "there is no column '%.64s'; %zu columns%s%s", wanted, count,
+                 header ? ": " : " without names", header ? names : "");
+}
+
+static bool looks_numeric(const char *text) {
+    char *end;
+    strtod(text, &end); /* nan and inf as well: they are values, if unusable ones */
+    return end != text && *end == '\0';
+}
+
+/* The first line that is no comment decides separator, header and columns. */
+static enum rk_status begin(struct reader *r, const struct field *fields, size_t count,
+                            bool *header) {
+    /* A line that holds any number is data: a header taken for data ends in a sentence, data taken
+     * for a header would be lost without one. */
+    *header = true;
+    for (size_t i = 0; i < count; i++) {
+        *header = *header && !looks_numeric(fields[i].text);
+    }
+    enum rk_status status = choose(r, r->request->column, *header, fields, count, &r->column);
+    if (status == RK_OK && r->request->replica) {
+        status = choose(r, r->request->replica, *header, fields, count, &r->replica);
+    }
+    r->ready = true;
+    return status;
+}
+
+static enum rk_status take_number(struct reader *r, const struct field *fields, size_t count,
+                                  size_t index, double *x) {
+    if (index >= count) {
+        return wrong(r, 1, "the row ends after %zu of at least %zu columns", count, index + 1);
+    }
+    if (!rk_number_read(fields[index].text, x)) {
+        return wrong(r, fields[index].column, "'%.40s' is not a finite number", fields[index].text);
+    }
+    return RK_OK;
+}
+
+static enum rk_status keep(struct reader *r, const struct field *fields, size_t count) {
+    struct row row = {0, 0};
+    size_t most = r->request->rows ? r->request->rows : RK_SAMPLES_MAX;
+    enum rk_status status = take_number(r, fields, count, r->column, &row.value);
+    if (status == RK_OK && r->request->replica) {
+        status = take_number(r, fields, count, r->replica, &row.replica);
+    }
+    if (status != RK_OK) {
+        return status;
+    }
+    if (r->count == most) {
+        return wrong(r, 1, "more than %zu rows, which is all that is read", most);
+    }
+    if (r->count == r->room) {
+        size_t room = r->room ? 2 * r->room : 1024;
+        struct row *rows = realloc(r->rows, room * sizeof *rows);
+        if (!rows) {
+            return rk_fail(r->err, RK_EMEMORY, "out of memory after %zu rows", r->count);
+        }
+        r->rows = rows;
+        r->room = room;
+    }
+    r->rows[r->count++] = row;
+    return RK_OK;
+}
+
+static enum rk_status read_rows(struct reader *r, struct field *fields) {
+    enum rk_status status = RK_OK;
+    bool more = true;
+    while ((status = next_line(r, &more)) == RK_OK && more) {
+        bool header = false;
+        size_t count;
+        if (r->number == 1 && strncmp(r->line, "\xef\xbb\xbf", 3) == 0) {
+            memmove(r->line, r->line + 3, strlen(r->line) - 2);
+        }
+        size_t blank = strspn(r->line, " \t");
+        if (r->line[blank] == '#' || r->line[blank] == '\0') {
+            continue;
+        }
+        r->separator = r->separator ? r->separator : separator_of(r->line);
+        status = split(r, fields, &count);
+        if (status == RK_OK && !r->ready) {
+            status = begin(r, fields, count, &header);
+        }
+        if (status == RK_OK && !header) {
+            status = keep(r, fields, count);
+        }
+        if (status != RK_OK) {
+            break;
+        }
+    }
+    if (status == RK_OK && r->count == 0) {
+        return wrong(r, 1, "no rows of numbers");
+    }
+    return status;
+}
+
+static int by_replica(const void *a, const void *b) {
+    double p = ((const struct row *)a)->replica, q = ((const struct row *)b)->replica;
+    return (p > q) - (p < q);
+}
+
+/* A stable sort: glibc's qsort is one only as long as it finds memory. */
+static bool sort_rows(struct row *rows, size_t count) {
+    struct row *from = rows, *spare = malloc(count * sizeof *spare);
+    if (!spare) {
+        return false;
+    }
+    struct row *to = spare;
+    for (size_t width = 1; width < count; width *= 2) {
+        for (size_t low = 0; low < count; low += 2 * width) {
+            size_t middle = low + width < count ? low + width : count;
+            size_t high = low + 2 * width < count ? low + 2 * width : count;
+            size_t i = low, j = middle;
+            for (size_t k = low; k < high; k++) {
+                bool left = i < middle && (j >= high || by_replica(&from[i], &from[j]) <= 0);
+                to[k] = left ? from[i++] : from[j++];
+            }
+        }
+        struct row *swap = from;
+        from = to;
+        to = swap;
+    }
+    if (from != rows) {
+        memcpy(rows, from, count * sizeof *rows);
+    }
+    free(spare);
+    return true;
+}
+
+/* Rows into a rectangle, one replica a line. */
+static enum rk_status arrange(struct reader *r, struct rk_samples *out) {
+    bool sorted = true;
+    for (size_t i = 1; i < r->count; i++) {
+        sorted = sorted && r->rows[i - 1].replica <= r->rows[i].replica;
+    }
+    if (!sorted && !sort_rows(r->rows, r->count)) {
+        return rk_fail(r->err, RK_EMEMORY, "out of memory for %zu rows", r->count);
+    }
+    size_t replicas = 1, longest = 0, length = 0;
+    for (size_t i = 0; i < r->count; i++) {
+        bool next = i > 0 && r->rows[i].replica != r->rows[i - 1].replica;
+        replicas += next;
+        length = next ? 1 : length + 1;
+        longest = length > longest ? length : longest;
+    }
+    if (replicas > 4 * RK_SAMPLES_MAX / longest) {
+        return wrong(r, 1, "replicas of too different lengths to be held side by side");
+    }
+    out->values = calloc(replicas * longest, sizeof *out->values);
+    out->lengths = calloc(replicas, sizeof *out->lengths);
+    if (!out->values || !out->lengths) {
+        return rk_fail(r->err, RK_EMEMORY, "out of memory for %zu rows", r->count);
+    }
+    out->replicas = replicas;
+    out->samples = longest;
+    size_t replica = 0;
+    for (size_t i = 0; i < r->count; i++) {
+        replica += i > 0 && r->rows[i].replica != r->rows[i - 1].replica;
+        out->values[replica * longest + out->lengths[replica]++] = r->rows[i].value;
+    }
+    return RK_OK;
+}
+
+static enum rk_status open_file(struct reader *r) {
+    struct stat about;
+    r->file = fopen(r->path, "rbe");
+    if (!r->file) {
+        rk_fail(r->err, RK_EIO, "%s%s", errno == ENOENT ? "" : "cannot be opened: ",
+                errno == ENOENT ? "there is no such file" : strerror(errno));
+    } else if (fstat(fileno(r->file), &about) == 0 && S_ISDIR(about.st_mode)) {
+        rk_fail(r->err, RK_EIO, "is a folder; a file is expected");
+    } else {
+        return RK_OK;
+    }
+    rk_error_locate(r->err, "%s", r->path);
+    return RK_EIO;
+}
+
+enum rk_status rk_table_read(const char *path, const struct rk_table_request *request,
+                             struct rk_samples *out, struct rk_error *err) {
+    struct reader r = {.path = path, .request = request, .err = err};
+    *out = (struct rk_samples){0};
+    enum rk_status status = open_file(&r);
+    if (status == RK_OK) {
+        r.line = malloc(RK_TABLE_LINE + 1);
+        struct field *fields = malloc(RK_TABLE_FIELDS * sizeof *fields);
+        status =
+            r.line && fields ? read_rows(&r, fields) : rk_fail(err, RK_EMEMORY, "out of memory");
+        free(fields);
+    }
+    if (status == RK_OK) {
+        status = arrange(&r, out);
+    }
+    if (r.file) {
+        fclose(r.file);
+    }
+    free(r.line);
+    free(r.rows);
+    if (status != RK_OK) {
+        rk_samples_clear(out);
+    }
+    return status;
+}

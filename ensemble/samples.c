@@ -1,9 +1,0 @@
-#include "ensemble/samples.h"
-
-#include <stdlib.h>
-
-void rk_samples_clear(struct rk_samples *samples) {
-    free(samples->values);
-    free(samples->lengths);
-    *samples = (struct rk_samples){0};
-}

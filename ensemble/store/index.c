@@ -1,0 +1,216 @@
+#include "ensemble/store/index.h"
+#include "ensemble/store.h"
+#include "ensemble/store/columns.h"
+#include "ensemble/store/files.h"
+#include "ensemble/store/provenance.h"
+#include "ensemble/store/runs_table.h"
+#include "ensemble/store/seal.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <xxhash.h>
+
+/* The runs [first, first + count) of a point. */
+struct span {
+    size_t first, count;
+};
+
+static struct span next_span(const struct rk_plan *plan, size_t first) {
+    size_t end = first;
+    while (end < plan->count && plan->runs[end].point == plan->runs[first].point) {
+        end++;
+    }
+    return (struct span){first, end - first};
+}
+
+static void write_links(struct rk_h5 *h5, const struct rk_plan *plan, const uint8_t *states) {
+    hid_t files = rk_h5_group(h5, h5->file, "files");
+    for (size_t i = 0; i < plan->count; i++) {
+        if (states[i] == RK_RUN_DONE || states[i] == RK_RUN_FAILED) {
+            char name[RK_RUN_ID + 16];
+            snprintf(name, sizeof name, "runs/%s.h5", plan->runs[i].id);
+            rk_h5_external(h5, files, plan->runs[i].id, name);
+        }
+    }
+    rk_h5_release(h5, files);
+}
+
+/* Map row `row` of a virtual dataset to the values in a run's file. */
+static bool map_row(hid_t creation, hid_t space, size_t row, hsize_t samples, const char *id,
+                    const char *values) {
+    char name[RK_RUN_ID + 16];
+    snprintf(name, sizeof name, "runs/%s.h5", id);
+    hsize_t from[2] = {row, 0}, size[2] = {1, samples};
+    hid_t source = H5Screate_simple(1, &samples, NULL);
+    bool fine = source >= 0 &&
+                H5Sselect_hyperslab(space, H5S_SELECT_SET, from, NULL, size, NULL) >= 0 &&
+                H5Pset_virtual(creation, space, name, values, source) >= 0;
+    H5Sclose(source);
+    return fine;
+}
+
+static void write_column(struct rk_h5 *h5, hid_t parent, const struct rk_plan *plan,
+                         const uint8_t *states, struct span span, hsize_t samples,
+                         const struct rk_probe *probe, const struct rk_probe_column *column) {
+    if (h5->status != RK_OK) {
+        return;
+    }
+    char values[256];
+    snprintf(values, sizeof values, "/observables/%s/%s/value", probe->piece.name, column->name);
+    const double missing = NAN;
+    hsize_t dims[2] = {span.count, samples};
+    hid_t space = H5Screate_simple(2, dims, NULL);
+    hid_t creation = rk_h5_properties(H5P_DATASET_CREATE);
+    bool fine = H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &missing) >= 0;
+    for (size_t i = 0; fine && i < span.count; i++) {
+        if (states[span.first + i] == RK_RUN_DONE) {
+            fine = map_row(creation, space, i, samples, plan->runs[span.first + i].id, values);
+        }
+    }
+    hid_t dataset = H5I_INVALID_HID;
+    if (fine && H5Sselect_all(space) >= 0) {
+        dataset = H5Dcreate2(parent, column->name, H5T_IEEE_F64LE, space, H5P_DEFAULT, creation,
+                             H5P_DEFAULT);
+    }
+    if (dataset < 0) {
+        rk_h5_fail(h5, "write", column->name);
+    } else if (column->unit[0] != '\0') {
+        rk_h5_note(h5, dataset, "unit", column->unit);
+    }
+    rk_h5_release(h5, dataset);
+    H5Pclose(creation);
+    H5Sclose(space);
+}
+
+static void write_complete(struct rk_h5 *h5, hid_t parent, const uint8_t *states,
+                           struct span span) {
+    uint8_t *complete = malloc(span.count + 1);
+    if (!complete) {
+        h5->status = rk_fail(h5->err, RK_EMEMORY, "not enough memory to write '%s'", h5->path);
+        return;
+    }
+    for (size_t i = 0; i < span.count; i++) {
+        complete[i] = states[span.first + i] == RK_RUN_DONE;
+    }
+    hsize_t count = span.count;
+    rk_h5_values(h5, parent, "complete", RK_H5_BYTE, 1, &count, complete, NULL);
+    free(complete);
+}
+
+static void write_point(struct rk_h5 *h5, hid_t parent, const struct rk_plan *plan,
+                        const uint8_t *states, struct span span) {
+    const struct rk_case *scene = plan->study->scene;
+    const struct rk_point *point = &plan->study->points[plan->runs[span.first].point];
+    struct rk_schedule schedule = scene->schedule(point->params);
+    hsize_t samples = schedule.steps / schedule.sample_every + 1;
+    double interval = (double)schedule.sample_every * schedule.dt;
+    hid_t group = rk_h5_group(h5, parent, point->name);
+    write_complete(h5, group, states, span);
+    rk_h5_values(h5, group, "interval", RK_H5_REAL, 0, NULL, &interval, "sqrt(d/g)");
+    for (size_t p = 0; p < scene->probes->count; p++) {
+        const struct rk_probe *probe = rk_columns_probe(scene, p);
+        hid_t columns = rk_h5_group(h5, group, probe->piece.name);
+        for (size_t c = 0; c < probe->count; c++) {
+            write_column(h5, columns, plan, states, span, samples, probe, &probe->columns[c]);
+        }
+        rk_h5_release(h5, columns);
+    }
+    rk_h5_release(h5, group);
+}
+
+static enum rk_status write_file(const char *path, const struct rk_plan *plan,
+                                 const uint8_t *states, const struct rk_index_addition *addition,
+                                 struct rk_error *err) {
+    struct rk_h5 h5;
+    rk_h5_create(&h5, path, RK_SEAL_SIZE, RK_H5_FOR_1_10, err);
+    rk_provenance_study(&h5, h5.file, plan);
+    rk_runs_table(&h5, h5.file, plan, states);
+    write_links(&h5, plan, states);
+    hid_t observables = rk_h5_group(&h5, h5.file, "observables");
+    for (size_t first = 0; first < plan->count;) {
+        struct span span = next_span(plan, first);
+        write_point(&h5, observables, plan, states, span);
+        first += span.count;
+    }
+    rk_h5_release(&h5, observables);
+    if (addition && h5.status == RK_OK) {
+        addition->write(&h5, addition->context);
+    }
+    return rk_h5_close(&h5);
+}
+
+/* The seal of an index tells which states it was built from. */
+static struct rk_seal seal_of(const struct rk_plan *plan, const uint8_t *states) {
+    const struct rk_run none = {.id = "index"};
+    struct rk_seal seal = {.origin = rk_origin_of(plan, &none), .state = RK_SEAL_DONE};
+    snprintf(seal.reason, sizeof seal.reason, "%s, states %016llx", plan->study->name,
+             (unsigned long long)XXH64(states, plan->count, 0));
+    return seal;
+}
+
+static enum rk_status publish(const char *folder, const struct rk_plan *plan, const uint8_t *states,
+                              const struct rk_index_addition *addition, struct rk_error *err) {
+    struct rk_path path, partial;
+    enum rk_status status = rk_path_set(&path, err, "%s/study.h5", folder);
+    if (status == RK_OK) {
+        status = rk_path_set(&partial, err, "%s/study.h5.tmp", folder);
+    }
+    if (status != RK_OK) {
+        return status;
+    }
+    struct rk_h5_guard guard = rk_h5_enter();
+    status = write_file(partial.text, plan, states, addition, err);
+    rk_h5_leave(guard);
+    struct rk_seal seal = seal_of(plan, states);
+    if (status == RK_OK) {
+        status = rk_seal_write(partial.text, &seal, err);
+    }
+    if (status == RK_OK) {
+        status = rk_file_publish(partial.text, path.text, err);
+    }
+    if (status != RK_OK) {
+        remove(partial.text); /* the failure that counts is the one before */
+    }
+    return status;
+}
+
+static bool is_current(const char *folder, const struct rk_plan *plan, const uint8_t *states) {
+    struct rk_path path;
+    struct rk_seal found, expected = seal_of(plan, states);
+    return rk_path_set(&path, NULL, "%s/study.h5", folder) == RK_OK &&
+           rk_seal_verify(path.text, &found, NULL) == RK_OK &&
+           memcmp(&found.origin, &expected.origin, sizeof found.origin) == 0 &&
+           strcmp(found.reason, expected.reason) == 0;
+}
+
+static enum rk_status build(const char *folder, const struct rk_plan *plan, bool unless_current,
+                            const struct rk_index_addition *addition, struct rk_error *err) {
+    uint8_t *states = malloc(plan->count + 1);
+    if (!states) {
+        return rk_fail(err, RK_EMEMORY, "not enough memory to index %zu runs", plan->count);
+    }
+    for (size_t i = 0; i < plan->count; i++) {
+        states[i] = (uint8_t)rk_store_run_state(folder, &plan->runs[i]);
+    }
+    struct rk_path partial; /* of a program that was killed */
+    enum rk_status status = rk_path_set(&partial, err, "%s/study.h5.tmp", folder);
+    if (status == RK_OK && unless_current && is_current(folder, plan, states)) {
+        status = rk_file_remove(partial.text, err);
+    } else if (status == RK_OK) {
+        status = publish(folder, plan, states, addition, err);
+    }
+    free(states);
+    return status;
+}
+
+enum rk_status rk_index_write(const char *folder, const struct rk_plan *plan,
+                              const struct rk_index_addition *addition, struct rk_error *err) {
+    return build(folder, plan, false, addition, err);
+}
+
+enum rk_status rk_index_refresh(const char *folder, const struct rk_plan *plan,
+                                struct rk_error *err) {
+    return build(folder, plan, true, NULL, err);
+}

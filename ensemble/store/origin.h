@@ -1,0 +1,16 @@
+/* Whose a file is: every private file of a run names the plan and the run it belongs to, so that
+ * a file that was moved, or left over from another study, is never taken for one's own.
+ */
+#ifndef RK_ENSEMBLE_STORE_ORIGIN_H
+#define RK_ENSEMBLE_STORE_ORIGIN_H
+
+#include "ensemble/study.h"
+
+struct rk_origin {
+    char identity[RK_IDENTITY]; /* of the plan */
+    char run[RK_RUN_ID];
+};
+
+struct rk_origin rk_origin_of(const struct rk_plan *plan, const struct rk_run *run);
+
+#endif

@@ -1,0 +1,15 @@
+/* What every file of the store says about where it comes from: parameters, seed, versions. */
+#ifndef RK_ENSEMBLE_STORE_PROVENANCE_H
+#define RK_ENSEMBLE_STORE_PROVENANCE_H
+
+#include "ensemble/store/hdf5_file.h"
+#include "ensemble/study.h"
+
+/* The study, its identity and seed, and the versions of code and libraries, as attributes. */
+void rk_provenance_study(struct rk_h5 *h5, hid_t object, const struct rk_plan *plan);
+
+/* The resolved parameters of a point, as groups and scalar datasets with units below `parent`. */
+void rk_provenance_parameters(struct rk_h5 *h5, hid_t parent, const struct rk_study *study,
+                              const struct rk_point *point);
+
+#endif

@@ -1,0 +1,110 @@
+/* The analyses a study asks for. */
+#include "base/memory.h"
+#include "ensemble/analysis/private.h"
+#include "ensemble/study/private.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* One entry is "- ldf", "- ldf:" or "- ldf: {window: 5}": its name and the map of its parameters
+ * (NULL for none). */
+static enum rk_status entry(const struct rk_yaml *tree, const struct rk_yaml_node *node,
+                            const char **name, struct rk_yaml_place *place,
+                            const struct rk_yaml_node **map, struct rk_error *err) {
+    *map = NULL;
+    if (node->kind == RK_YAML_TEXT) {
+        *name = node->text;
+        *place = node->place;
+        return RK_OK;
+    }
+    if (node->kind != RK_YAML_MAP || node->count != 1) {
+        return rk_yaml_wrong(tree, node->place, err,
+                             "an analysis is a name, or one name with its parameters "
+                             "('- ldf: {window: 5}')");
+    }
+    const struct rk_yaml_node *member = rk_yaml_first(tree, node);
+    *name = member->key;
+    *place = member->key_place;
+    if (member->kind == RK_YAML_MAP) {
+        *map = member;
+    } else if (member->kind != RK_YAML_TEXT || member->text[0] != '\0') {
+        return rk_yaml_wrong(tree, member->place, err,
+                             "%.64s: a map of parameters is expected here", member->key);
+    }
+    return RK_OK;
+}
+
+/* What an analysis asks of the runs must be there in every point: a window no longer than a run. */
+static enum rk_status check_request(const struct rk_study *study, const struct rk_request *request,
+                                    struct rk_error *err) {
+    enum rk_status status = RK_OK;
+    for (size_t i = 0; i < study->point_count && status == RK_OK; i++) {
+        struct rk_schedule schedule = study->scene->schedule(study->points[i].params);
+        status = request->analysis->methods->check(request->params, &schedule, err);
+    }
+    return status;
+}
+
+static enum rk_status read_request(const struct rk_yaml *tree, const struct rk_yaml_node *node,
+                                   const struct rk_study *study, struct rk_request *request,
+                                   struct rk_error *err) {
+    const char *name = NULL;
+    struct rk_yaml_place place;
+    const struct rk_yaml_node *map;
+    enum rk_status status = entry(tree, node, &name, &place, &map, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    const struct rk_piece *piece = rk_registry_find(&rk_analysis_registry, name);
+    if (!piece) {
+        const char *nearest = rk_registry_nearest(&rk_analysis_registry, name);
+        return rk_yaml_wrong(tree, place, err, "there is no analysis '%.64s'%s%s%s", name,
+                             nearest ? "; did you mean '" : "; 'reckon describe' lists them",
+                             nearest ? nearest : "", nearest ? "'?" : "");
+    }
+    request->analysis = (const struct rk_analysis *)piece;
+    const struct rk_param_table *table = request->analysis->params;
+    request->params = rk_array_create(1, table->size);
+    if (!request->params) {
+        return rk_fail(err, RK_EMEMORY, "out of memory");
+    }
+    rk_param_defaults(table, request->params);
+    if (map) {
+        status = rk_study_set_params(tree, map, NULL, table, request->params, err);
+    }
+    if (status == RK_OK) {
+        status = check_request(study, request, err);
+        if (status != RK_OK && err) {
+            const struct rk_yaml_node *at = rk_study_find_param(tree, map, err->subject);
+            place = at ? at->place : place;
+            rk_error_locate(err, "%s:%zu:%zu", tree->name, place.line, place.column);
+        }
+    }
+    return status;
+}
+
+enum rk_status rk_study_read_analyses(const struct rk_yaml *tree, struct rk_study *study,
+                                      struct rk_error *err) {
+    enum { ANALYSES_MAX = 100 };
+    const struct rk_yaml_node *list = rk_yaml_member(tree, rk_yaml_root(tree), "analyses");
+    if (!list || (list->kind == RK_YAML_TEXT && list->text[0] == '\0')) {
+        return RK_OK;
+    }
+    if (list->kind != RK_YAML_LIST || list->count > ANALYSES_MAX) {
+        return rk_yaml_wrong(tree, list->place, err,
+                             "analyses: a list of at most %d analyses is expected here",
+                             ANALYSES_MAX);
+    }
+    study->requests = calloc(list->count + 1, sizeof *study->requests);
+    if (!study->requests) {
+        return rk_fail(err, RK_EMEMORY, "out of memory");
+    }
+    study->request_count = list->count;
+    enum rk_status status = RK_OK;
+    const struct rk_yaml_node *node = rk_yaml_first(tree, list);
+    for (size_t i = 0; i < list->count && status == RK_OK; i++) {
+        status = read_request(tree, node, study, &study->requests[i], err);
+        node = rk_yaml_next(tree, node);
+    }
+    return status;
+}

@@ -1,0 +1,204 @@
+#include "ensemble/study.h"
+
+#include "ensemble/study/private.h"
+#include "ensemble/study/yaml.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const keys[] = {"study", "case",   "seed",    "replicas",
+                                   "base",  "points", "analyses"};
+enum { KEYS = sizeof keys / sizeof *keys };
+
+static const char *key_name(const void *list, size_t i) {
+    return ((const char *const *)list)[i];
+}
+
+enum rk_status rk_study_expect_text(const struct rk_yaml *tree, const struct rk_yaml_node *node,
+                                    struct rk_error *err) {
+    if (node->kind == RK_YAML_TEXT) {
+        return RK_OK;
+    }
+    return rk_yaml_wrong(tree, node->place, err, "%s: a single value is expected here, not %s",
+                         node->key ? node->key : "entry", rk_yaml_kind_name(node->kind));
+}
+
+enum rk_status rk_study_copy_name(const struct rk_yaml *tree, const struct rk_yaml_node *node,
+                                  const char *what, char name[RK_NAME], struct rk_error *err) {
+    enum rk_status status = rk_study_expect_text(tree, node, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    const char *text = node->text;
+    if (strlen(text) >= RK_NAME) {
+        return rk_yaml_wrong(tree, node->place, err,
+                             "the name of a %s is %zu long, at most %d is possible", what,
+                             strlen(text), RK_NAME - 1);
+    }
+    bool good = isalnum((unsigned char)text[0]) != 0;
+    for (const char *c = text; *c != '\0'; c++) {
+        good = good && ((unsigned char)*c < 0x80) &&
+               (isalnum((unsigned char)*c) || strchr("-_.", *c) != NULL);
+    }
+    if (!good) {
+        return rk_yaml_wrong(tree, node->place, err,
+                             "'%s' cannot be the name of a %s: letters, digits, '-', '_' and '.' "
+                             "make a name, a letter or digit begins it",
+                             text, what);
+    }
+    memcpy(name, text, strlen(text) + 1);
+    return RK_OK;
+}
+
+static enum rk_status check_keys(const struct rk_yaml *tree, struct rk_error *err) {
+    const struct rk_yaml_node *root = rk_yaml_root(tree);
+    if (root->kind != RK_YAML_MAP) {
+        return rk_yaml_wrong(tree, root->place, err,
+                             "a study is a map with the keys study, case, ...; this is %s",
+                             rk_yaml_kind_name(root->kind));
+    }
+    for (const struct rk_yaml_node *n = rk_yaml_first(tree, root); n; n = rk_yaml_next(tree, n)) {
+        bool known = false;
+        for (size_t i = 0; i < KEYS; i++) {
+            known = known || strcmp(keys[i], n->key) == 0;
+        }
+        if (!known) {
+            const char *nearest = rk_nearest_name(n->key, KEYS, key_name, keys);
+            return rk_yaml_wrong(tree, n->key_place, err, "a study has no key '%.64s'; %s%s%s",
+                                 n->key,
+                                 nearest ? "did you mean '"
+                                         : "it may have study, case, seed, replicas, base, points, "
+                                           "analyses",
+                                 nearest ? nearest : "", nearest ? "'?" : "");
+        }
+    }
+    return RK_OK;
+}
+
+/* A whole number out of [low, high]; *number stays as it is when the key is absent. */
+static enum rk_status read_number(const struct rk_yaml *tree, const char *key, uint64_t low,
+                                  uint64_t high, uint64_t *number, struct rk_error *err) {
+    const struct rk_yaml_node *node = rk_yaml_member(tree, rk_yaml_root(tree), key);
+    if (!node) {
+        return RK_OK;
+    }
+    enum rk_status status = rk_study_expect_text(tree, node, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    const char *text = node->text;
+    bool digits = text[0] != '\0' && strspn(text, "0123456789") == strlen(text);
+    errno = 0;
+    unsigned long long value = strtoull(text, NULL, 10);
+    if (!digits || errno != 0 || value < low || value > high) {
+        return rk_yaml_wrong(tree, node->place, err,
+                             "%s: '%.64s' will not do, it must be a whole number from %llu to %llu",
+                             key, text, (unsigned long long)low, (unsigned long long)high);
+    }
+    *number = value;
+    return RK_OK;
+}
+
+static enum rk_status read_case(const struct rk_yaml *tree, struct rk_study *study,
+                                struct rk_error *err) {
+    const struct rk_yaml_node *root = rk_yaml_root(tree);
+    const struct rk_yaml_node *node = rk_yaml_member(tree, root, "case");
+    if (!node) {
+        return rk_yaml_wrong(tree, root->place, err,
+                             "the study names no case; add a line 'case: NAME' ('reckon describe' "
+                             "lists the cases)");
+    }
+    enum rk_status status = rk_study_expect_text(tree, node, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    const struct rk_piece *piece = rk_registry_find(&rk_case_registry, node->text);
+    if (!piece) {
+        const char *nearest = rk_registry_nearest(&rk_case_registry, node->text);
+        return rk_yaml_wrong(tree, node->place, err, "there is no case '%.64s'%s%s%s", node->text,
+                             nearest ? "; did you mean '" : "; 'reckon describe' lists them",
+                             nearest ? nearest : "", nearest ? "'?" : "");
+    }
+    study->scene = (const struct rk_case *)piece;
+    return RK_OK;
+}
+
+static enum rk_status check_runs(const struct rk_yaml *tree, const struct rk_study *study,
+                                 struct rk_error *err) {
+    if (study->replicas <= RK_RUNS_MAX / study->point_count) {
+        return RK_OK;
+    }
+    const struct rk_yaml_node *root = rk_yaml_root(tree);
+    const struct rk_yaml_node *node = rk_yaml_member(tree, root, "replicas");
+    return rk_yaml_wrong(tree, node ? node->place : root->place, err,
+                         "%zu points x %llu replicas are more than the %zu runs a study may have",
+                         study->point_count, (unsigned long long)study->replicas, RK_RUNS_MAX);
+}
+
+static enum rk_status read_study(const struct rk_yaml *tree, struct rk_study *study,
+                                 struct rk_error *err) {
+    const struct rk_yaml_node *root = rk_yaml_root(tree);
+    enum rk_status status = check_keys(tree, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    const struct rk_yaml_node *name = rk_yaml_member(tree, root, "study");
+    if (!name) {
+        return rk_yaml_wrong(tree, root->place, err,
+                             "the study has no name; add a line 'study: NAME'");
+    }
+    study->seed = 1;
+    study->replicas = 1;
+    status = rk_study_copy_name(tree, name, "study", study->name, err);
+    if (status == RK_OK) {
+        status = read_case(tree, study, err);
+    }
+    if (status == RK_OK) {
+        status = read_number(tree, "seed", 0, UINT64_MAX, &study->seed, err);
+    }
+    if (status == RK_OK) {
+        status = read_number(tree, "replicas", 1, RK_REPLICAS_MAX, &study->replicas, err);
+    }
+    if (status == RK_OK) {
+        status = rk_study_read_points(tree, study, err);
+    }
+    if (status == RK_OK) {
+        status = check_runs(tree, study, err);
+    }
+    return status == RK_OK ? rk_study_read_analyses(tree, study, err) : status;
+}
+
+enum rk_status rk_study_load(const char *path, struct rk_study **study, struct rk_error *err) {
+    struct rk_yaml *tree;
+    *study = NULL;
+    enum rk_status status = rk_yaml_load(path, &tree, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    struct rk_study *made = calloc(1, sizeof *made);
+    status = made ? read_study(tree, made, err) : rk_fail(err, RK_EMEMORY, "out of memory");
+    if (status == RK_OK) {
+        *study = made;
+    } else {
+        rk_study_free(made);
+    }
+    rk_yaml_free(tree);
+    return status;
+}
+
+void rk_study_free(struct rk_study *study) {
+    if (!study) {
+        return;
+    }
+    for (size_t i = 0; study->points && i < study->point_count; i++) {
+        free(study->points[i].params);
+    }
+    for (size_t i = 0; study->requests && i < study->request_count; i++) {
+        free(study->requests[i].params);
+    }
+    free(study->points);
+    free(study->requests);
+    free(study);
+}
