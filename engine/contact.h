@@ -4,32 +4,65 @@
  *     n = (rj - ri)/|rj - ri|,  t = n turned by +90 degrees
  *     li = Ri |rj - ri|/(Ri + Rj),  lj likewise           lever arms: they add up to |rj - ri|,
  *                                                         or angular momentum drifts by ft delta
- *     vt = (vj - vi).t - li wi - lj wj                    (Martins 2021, eq. 9)
- *     fn = kn delta + gamma d(delta)/dt                   (Martins 2021, eqs. 6-7)
+ *     vt = (vj - vi).t - li wi - lj wj                    slip (Martins 2021, eq. 9)
+ *     fn = the normal law of delta and d(delta)/dt        engine/law_*.h
  *          tension cut: max(0, that);  tension keep: that
- *     ft <- ft - kt vt dt, clipped to +- mu max(0, fn)    (Cundall and Strack; Martins eq. 10)
- *     force on j: fn n + ft t, on i the opposite;  torques -li ft, -lj ft
+ *     ft = the friction of vt, its history and fn         engine/friction_*.h
+ *     M  = the rolling resistance of wi - wj and fn       engine/rolling_spring.h
+ *     force on j: fn n + ft t, on i the opposite;  torques -li ft - M on i, -lj ft + M on j
  *
  * A wall is the limit of an infinitely large and heavy partner: its lever arm never enters, the
- * grain's is R. The equations themselves are in engine/kernel_body.h (pairs) and engine/walls.c.
+ * grain's is R, the reduced mass and radius are the grain's own.
+ *
+ * Two materials mix as springs and dashpots in series, scaled so that equals give themselves:
+ * kn, kt, gamma, gamma_t are harmonic means; mu and mu_rolling geometric means (a smooth partner
+ * makes a smooth contact); Y = Yi Yj/(Yi + Yj) and A = (Ai + Aj)/2 are Foley 2010, eq. 2.9.
  */
 #ifndef RK_ENGINE_CONTACT_H
 #define RK_ENGINE_CONTACT_H
 
 #include "engine/engine.h"
 
-extern const struct rk_piece rk_law_linear;
-extern const struct rk_piece rk_friction_none, rk_friction_cundall_strack;
-extern const struct rk_piece rk_tension_cut, rk_tension_keep;
+enum rk_normal { RK_LINEAR, RK_MASS_DAMPED, RK_VISCOELASTIC, RK_NORMALS };
+enum rk_tangent { RK_SMOOTH, RK_CUNDALL_STRACK, RK_HAFF_WERNER, RK_TANGENTS };
 
-/* What a pass over contacts needs, worked out once. */
-struct rk_contact_law {
-    double kn, gamma;
-    double kt_dt; /* kt dt */
-    double mu;
-    double least; /* the smallest normal force: 0 (tension cut) or -infinity (kept) */
+struct rk_normal_law {
+    struct rk_piece piece;
+    enum rk_normal normal;
+};
+struct rk_friction {
+    struct rk_piece piece;
+    enum rk_tangent tangent;
 };
 
-struct rk_contact_law rk_contact_law_of(const struct rk_scene_spec *spec, double dt);
+extern const struct rk_normal_law rk_law_linear, rk_law_mass_damped, rk_law_viscoelastic;
+extern const struct rk_friction rk_friction_none, rk_friction_cundall_strack,
+    rk_friction_haff_werner;
+extern const struct rk_piece rk_rolling_none, rk_rolling_spring;
+extern const struct rk_piece rk_tension_cut, rk_tension_keep;
+
+/* The numbers of one pair of materials, as the hot loops read them. */
+struct rk_coefficients {
+    double kn, gamma;   /* linear; gamma of the mass-damped law is per reduced mass */
+    double young, loss; /* viscoelastic: Y and A */
+    double kt_dt, mu;   /* Cundall-Strack: kt dt */
+    double gamma_t;     /* Haff-Werner */
+    double mu_rolling;  /* rolling resistance; its spring is kt Reff^2 */
+};
+enum { RK_COEFFICIENTS = sizeof(struct rk_coefficients) / sizeof(double) };
+
+/* What a pass over contacts needs, worked out once a call. */
+struct rk_contact_law {
+    enum rk_normal normal;
+    enum rk_tangent tangent;
+    bool rolls;
+    size_t materials;
+    double least; /* the smallest normal force: 0 (tension cut) or -infinity (kept) */
+    struct rk_coefficients of[RK_MATERIALS_MAX * RK_MATERIALS_MAX]; /* [one][other] */
+};
+
+/* The law for steps of dt; dt = 0 evaluates forces without letting time pass. */
+void rk_contact_law_init(struct rk_contact_law *law, const struct rk_scene_spec *spec,
+                         const struct rk_material *materials, size_t count, double dt);
 
 #endif

@@ -28,8 +28,9 @@
 
 /* ---- Pieces that can be chosen by name -------------------------------------------------- */
 
-extern const struct rk_registry rk_law_registry;       /* linear */
-extern const struct rk_registry rk_friction_registry;  /* none, cundall-strack */
+extern const struct rk_registry rk_law_registry;       /* linear, mass-damped, viscoelastic */
+extern const struct rk_registry rk_friction_registry;  /* none, cundall-strack, haff-werner */
+extern const struct rk_registry rk_rolling_registry;   /* none, spring */
 extern const struct rk_registry rk_tension_registry;   /* cut, keep */
 extern const struct rk_registry rk_drive_registry;     /* rest, sinusoid */
 extern const struct rk_registry rk_neighbour_registry; /* cells, verlet, all-pairs */
@@ -42,13 +43,18 @@ extern const struct rk_registry rk_probe_registry;     /* intruder, plate, bed, 
 struct rk_contact_spec {
     const struct rk_piece *law;      /* out of rk_law_registry */
     const struct rk_piece *friction; /* out of rk_friction_registry */
+    const struct rk_piece *rolling;  /* out of rk_rolling_registry */
     const struct rk_piece *tension;  /* out of rk_tension_registry */
     double kn;                       /* normal stiffness */
-    double kt;                       /* tangential stiffness */
-    double mu;                       /* coefficient of friction */
     double damping;                  /* gamma / (2 sqrt(kn m_min)), m_min the smallest mass */
+    double restitution;              /* above 0: of two smallest grains, instead of damping */
+    double kt;                       /* tangential stiffness, Cundall-Strack */
+    double mu;                       /* coefficient of friction */
+    double gamma_t;                  /* tangential damping, Haff-Werner */
+    double mu_rolling;               /* coefficient of rolling resistance */
+    double young, loss;              /* Y and A of the viscoelastic law */
 };
-enum { RK_CONTACT_PARAMS = 7 };
+enum { RK_CONTACT_PARAMS = 13 };
 extern const struct rk_param rk_contact_params[RK_CONTACT_PARAMS];
 
 /* The time step and how neighbours are found: what it costs and how exact it is. */
@@ -87,12 +93,20 @@ struct rk_scene_spec {
 #define RK_GRAINS_MAX ((size_t)1 << 27)
 #define RK_WALLS_MAX ((size_t)64)
 
+/* What bodies are made of, where they are not all of one material: the numbers of the laws. Two
+ * materials mix as engine/contact.h says. Material 0 is always that of the contact spec. */
+struct rk_material {
+    double kn, gamma, kt, mu, gamma_t, mu_rolling, young, loss;
+};
+#define RK_MATERIALS_MAX ((size_t)8)
+
 /* A grain as it is added and as it is looked at. */
 struct rk_grain {
     double x, y, vx, vy;
     double angle, omega; /* 0 and ignored where there is no friction */
     double radius, mass; /* moment of inertia mass radius^2/2: a disc */
     bool held;           /* nailed to its place: feels forces, does not move */
+    size_t material;     /* 0, or what rk_scene_add_material gave */
 };
 
 /* How a wall moves. sinusoid: displacement amplitude sin(2 pi t/period + phase) along direction. */
@@ -109,10 +123,18 @@ struct rk_wall_spec {
     double point[2];  /* a point of it at displacement 0 */
     double normal[2]; /* unit vector into the free side */
     bool friction;    /* false: this wall is smooth, whatever the contact says */
+    size_t material;  /* 0, or what rk_scene_add_material gave */
     struct rk_drive_spec drive;
 };
 
-/* gamma of a contact: damping * 2 sqrt(kn smallest). */
+/* Do the parts of a contact fit each other? RK_EINVALID with err->subject naming one. */
+enum rk_status rk_contact_check(const struct rk_contact_spec *contact, struct rk_error *err);
+
+/* The material a contact spec describes. */
+struct rk_material rk_contact_material(const struct rk_contact_spec *contact, double gamma);
+
+/* gamma of a contact: damping * 2 sqrt(kn smallest), or what gives the restitution to two of the
+ * smallest grains; for the mass-damped law divided by their reduced mass. */
 double rk_contact_gamma(const struct rk_contact_spec *contact, double smallest);
 
 /* The largest time step for which velocity Verlet with the dashpot at the predicted velocity is
@@ -130,6 +152,11 @@ struct rk_scene;
 enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene **scene,
                                struct rk_error *err);
 void rk_scene_free(struct rk_scene *scene); /* NULL is fine */
+
+/* Add a material, before grains and walls that use it: its number goes to *material.
+ * RK_EINVALID: too many, a value negative or not finite, grains are there already. */
+enum rk_status rk_scene_add_material(struct rk_scene *scene, const struct rk_material *properties,
+                                     size_t *material, struct rk_error *err);
 
 /* Add a grain or a wall, before the first step. Its number is the count before: 0, 1, 2, ...
  * A grain keeps that number ("tag") for life. RK_EINVALID: no room, non-finite, radius or mass not

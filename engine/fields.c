@@ -8,20 +8,22 @@
 
 #define GRAIN(member) offsetof(struct rk_scene, grains.member)
 static const struct rk_field grain_rows[] = {
-    {"x", RK_FIELD_F64, GRAIN(x), false, "position, not wrapped since the last ordering"},
-    {"y", RK_FIELD_F64, GRAIN(y), false, "position"},
-    {"vx", RK_FIELD_F64, GRAIN(vx), false, "velocity"},
-    {"vy", RK_FIELD_F64, GRAIN(vy), false, "velocity"},
-    {"ax", RK_FIELD_F64, GRAIN(ax), false, "acceleration"},
-    {"ay", RK_FIELD_F64, GRAIN(ay), false, "acceleration"},
-    {"radius", RK_FIELD_F64, GRAIN(radius), false, "radius"},
-    {"mass", RK_FIELD_F64, GRAIN(mass), false, "mass"},
-    {"inverse_mass", RK_FIELD_F64, GRAIN(inverse_mass), false, "1/mass, 0 if held"},
-    {"tag", RK_FIELD_U32, GRAIN(tag), false, "the grain's number for life"},
-    {"angle", RK_FIELD_F64, GRAIN(angle), true, "angle"},
-    {"omega", RK_FIELD_F64, GRAIN(omega), true, "angular velocity"},
-    {"alpha", RK_FIELD_F64, GRAIN(alpha), true, "angular acceleration"},
-    {"inverse_inertia", RK_FIELD_F64, GRAIN(inverse_inertia), true, "1/(m R^2/2), 0 if held"},
+    {"x", RK_FIELD_F64, GRAIN(x), RK_ALWAYS, "position, not wrapped since the last ordering"},
+    {"y", RK_FIELD_F64, GRAIN(y), RK_ALWAYS, "position"},
+    {"vx", RK_FIELD_F64, GRAIN(vx), RK_ALWAYS, "velocity"},
+    {"vy", RK_FIELD_F64, GRAIN(vy), RK_ALWAYS, "velocity"},
+    {"ax", RK_FIELD_F64, GRAIN(ax), RK_ALWAYS, "acceleration"},
+    {"ay", RK_FIELD_F64, GRAIN(ay), RK_ALWAYS, "acceleration"},
+    {"radius", RK_FIELD_F64, GRAIN(radius), RK_ALWAYS, "radius"},
+    {"mass", RK_FIELD_F64, GRAIN(mass), RK_ALWAYS, "mass"},
+    {"inverse_mass", RK_FIELD_F64, GRAIN(inverse_mass), RK_ALWAYS, "1/mass, 0 if held"},
+    {"tag", RK_FIELD_U32, GRAIN(tag), RK_ALWAYS, "the grain's number for life"},
+    {"material", RK_FIELD_U32, GRAIN(material), RK_IF_MIXED, "number of its material"},
+    {"angle", RK_FIELD_F64, GRAIN(angle), RK_IF_ROTATES, "angle"},
+    {"omega", RK_FIELD_F64, GRAIN(omega), RK_IF_ROTATES, "angular velocity"},
+    {"alpha", RK_FIELD_F64, GRAIN(alpha), RK_IF_ROTATES, "angular acceleration"},
+    {"inverse_inertia", RK_FIELD_F64, GRAIN(inverse_inertia), RK_IF_ROTATES,
+     "1/(m R^2/2), 0 if held"},
 };
 const struct rk_field_set rk_grain_fields = {"grains", grain_rows,
                                              sizeof grain_rows / sizeof *grain_rows,
@@ -29,9 +31,10 @@ const struct rk_field_set rk_grain_fields = {"grains", grain_rows,
 
 #define TOUCHING(member) offsetof(struct rk_scene, touching.member)
 static const struct rk_field contact_rows[] = {
-    {"first", RK_FIELD_U32, TOUCHING(first), true, "the grain earlier in the order"},
-    {"second", RK_FIELD_U32, TOUCHING(second), true, "the grain later in the order"},
-    {"ft", RK_FIELD_F64, TOUCHING(ft), true, "tangential force"},
+    {"first", RK_FIELD_U32, TOUCHING(first), RK_IF_REMEMBERS, "the grain earlier in the order"},
+    {"second", RK_FIELD_U32, TOUCHING(second), RK_IF_REMEMBERS, "the grain later in the order"},
+    {"ft", RK_FIELD_F64, TOUCHING(history[RK_HISTORY_FT]), RK_IF_REMEMBERS, "tangential force"},
+    {"moment", RK_FIELD_F64, TOUCHING(history[RK_HISTORY_MOMENT]), RK_IF_ROLLS, "rolling moment"},
 };
 const struct rk_field_set rk_contact_fields = {"contacts", contact_rows,
                                                sizeof contact_rows / sizeof *contact_rows,
@@ -39,9 +42,11 @@ const struct rk_field_set rk_contact_fields = {"contacts", contact_rows,
 
 #define WALL_TOUCHING(member) offsetof(struct rk_scene, wall_touching.member)
 static const struct rk_field wall_contact_rows[] = {
-    {"wall", RK_FIELD_U32, WALL_TOUCHING(wall), false, "the wall"},
-    {"grain", RK_FIELD_U32, WALL_TOUCHING(grain), false, "the grain's place in the order"},
-    {"ft", RK_FIELD_F64, WALL_TOUCHING(ft), false, "tangential force"},
+    {"wall", RK_FIELD_U32, WALL_TOUCHING(wall), RK_ALWAYS, "the wall"},
+    {"grain", RK_FIELD_U32, WALL_TOUCHING(grain), RK_ALWAYS, "the grain's place in the order"},
+    {"ft", RK_FIELD_F64, WALL_TOUCHING(history[RK_HISTORY_FT]), RK_ALWAYS, "tangential force"},
+    {"moment", RK_FIELD_F64, WALL_TOUCHING(history[RK_HISTORY_MOMENT]), RK_ALWAYS,
+     "rolling moment"},
 };
 const struct rk_field_set rk_wall_contact_fields = {
     "wall contacts", wall_contact_rows, sizeof wall_contact_rows / sizeof *wall_contact_rows,
@@ -52,7 +57,7 @@ size_t rk_field_size(const struct rk_field *field) {
 }
 
 bool rk_field_present(const struct rk_scene *scene, const struct rk_field *field) {
-    return scene->rotates || !field->rotation;
+    return scene->has[field->need];
 }
 
 void *rk_field_array(const struct rk_scene *scene, const struct rk_field *field) {

@@ -15,8 +15,8 @@ enum rk_field_type { RK_FIELD_F64, RK_FIELD_U32 };
 struct rk_field {
     const char *name;
     enum rk_field_type type;
-    size_t offset; /* of the array's pointer in struct rk_scene */
-    bool rotation; /* only in scenes that rotate */
+    size_t offset;     /* of the array's pointer in struct rk_scene */
+    enum rk_need need; /* what a scene must have to have this */
     const char *doc;
 };
 

@@ -99,7 +99,7 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
     const double dt = scene->spec.dt, travel = scene->spec.health.travel;
     for (size_t i = 0; i < g->count; i++) {
         double speed = hypot(g->vx[i], g->vy[i]);
-        double spin = scene->rotates ? fabs(g->omega[i]) : 0;
+        double spin = scene->has[RK_IF_ROTATES] ? fabs(g->omega[i]) : 0;
         double sane = g->x[i] + g->y[i] + speed + spin;
         if (!isfinite(sane)) {
             return nonsense(scene, i, err, "has a position or velocity that is no number", sane,

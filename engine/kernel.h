@@ -15,6 +15,11 @@
 #include "engine/contact.h"
 #include "engine/scene.h"
 
+typedef void rk_push(struct rk_grains *grains, const struct rk_contact_law *law,
+                     struct rk_pairs *pairs, struct rk_touching *touching);
+typedef void rk_press(struct rk_grains *grains, const struct rk_contact_law *law,
+                      struct rk_wall_touching *touching);
+
 struct rk_kernel {
     struct rk_piece piece;
     bool (*usable)(void); /* on this processor */
@@ -22,17 +27,18 @@ struct rk_kernel {
     /* Predict all grains; the bounds of this step's moves are added to `moved`. */
     void (*predict)(struct rk_grains *grains, double dt, struct rk_bounds *moved);
 
-    /* Which pairs touch. The tangential forces of the pairs move to the touching ones. */
+    /* Which pairs touch. The histories of the pairs move to the touching ones. */
     void (*touch)(const struct rk_grains *grains, struct rk_pairs *pairs,
                   struct rk_touching *touching);
 
-    /* grains->force: weights, then the forces of the touching pairs in their order, without and
-     * with friction. */
-    void (*push)(struct rk_grains *grains, const struct rk_contact_law *law, struct rk_pairs *pairs,
-                 struct rk_touching *touching, const double gravity[2]);
-    void (*push_and_rub)(struct rk_grains *grains, const struct rk_contact_law *law,
-                         struct rk_pairs *pairs, struct rk_touching *touching,
-                         const double gravity[2]);
+    /* grains->force: the weights of the grains, to which the contacts are added. */
+    void (*weigh)(struct rk_grains *grains, const double gravity[2]);
+
+    /* Forces of the touching pairs, added to grains->force in their order. */
+    rk_push *push[RK_NORMALS][RK_TANGENTS][2][2]; /* [normal][tangent][rolls][mixed] */
+
+    /* Forces of the touching walls, left in touching->force. */
+    rk_press *press[RK_NORMALS][RK_TANGENTS][2][2];
 
     /* Correct all grains with grains->force. */
     void (*correct)(struct rk_grains *grains, double dt);

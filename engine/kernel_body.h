@@ -1,8 +1,15 @@
 /* The loops of engine/kernel.h, compiled once per instruction set.
  * The including file defines KERNEL_NAME, KERNEL_DOC, KERNEL_TABLE and KERNEL_USABLE. */
+#include "engine/friction_cundall_strack.h"
+#include "engine/friction_haff_werner.h"
 #include "engine/kernel.h"
-
 #include "engine/lanes.h"
+#include "engine/law_linear.h"
+#include "engine/law_mass_damped.h"
+#include "engine/law_viscoelastic.h"
+#include "engine/rolling_spring.h"
+
+#define INLINE inline __attribute__((always_inline))
 
 /* The bounds of one component of all moves of a step. */
 struct span {
@@ -97,9 +104,9 @@ static inline size_t touch_one(const struct rk_grains *grains, struct rk_pairs *
     touching->dx[count] = dx;
     touching->dy[count] = dy;
     touching->d2[count] = d2;
-    if (pairs->ft) {
-        touching->ft[count] = pairs->ft[p];
-        pairs->ft[p] = 0;
+    for (size_t h = 0; h < pairs->histories; h++) {
+        touching->history[h][count] = pairs->history[h][p];
+        pairs->history[h][p] = 0;
     }
     return count + (d2 < pairs->reach2[p]);
 }
@@ -130,10 +137,10 @@ static size_t touch_eight(const struct rk_grains *grains, struct rk_pairs *pairs
     _mm512_storeu_pd(touching->dx + count, _mm512_maskz_compress_pd(near, dx));
     _mm512_storeu_pd(touching->dy + count, _mm512_maskz_compress_pd(near, dy));
     _mm512_storeu_pd(touching->d2 + count, _mm512_maskz_compress_pd(near, d2));
-    if (pairs->ft) {
-        __m512d ft = _mm512_loadu_pd(pairs->ft + p);
-        _mm512_storeu_pd(touching->ft + count, _mm512_maskz_compress_pd(near, ft));
-        _mm512_storeu_pd(pairs->ft + p, _mm512_setzero_pd());
+    for (size_t h = 0; h < pairs->histories; h++) {
+        __m512d kept = _mm512_loadu_pd(pairs->history[h] + p);
+        _mm512_storeu_pd(touching->history[h] + count, _mm512_maskz_compress_pd(near, kept));
+        _mm512_storeu_pd(pairs->history[h] + p, _mm512_setzero_pd());
     }
     return count + (size_t)__builtin_popcount(near);
 }
@@ -182,8 +189,8 @@ static void fill_up(struct rk_touching *touching) {
         touching->first[c] = touching->second[c] = 0;
         touching->dx[c] = touching->d2[c] = 1;
         touching->dy[c] = 0;
-        if (touching->ft) {
-            touching->ft[c] = 0;
+        for (size_t h = 0; h < touching->histories; h++) {
+            touching->history[h][c] = 0;
         }
     }
 }
@@ -192,73 +199,233 @@ static inline size_t lesser(size_t a, size_t b) {
     return a < b ? a : b;
 }
 
-static void push(struct rk_grains *grains, const struct rk_contact_law *law, struct rk_pairs *pairs,
-                 struct rk_touching *touching, const double gravity[2]) {
-    (void)pairs;
-    const double kn = law->kn, gamma = law->gamma;
-    const lanes least = lanes_all(law->least), none = lanes_all(0);
-    weigh(grains, gravity);
-    fill_up(touching);
-    for (size_t c = 0; c < touching->count; c += LANES) {
-        const uint32_t *i = touching->first + c, *j = touching->second + c;
-        lanes distance = lanes_root(lanes_load(touching->d2 + c));
-        lanes inverse = 1 / distance;
-        lanes nx = lanes_load(touching->dx + c) * inverse;
-        lanes ny = lanes_load(touching->dy + c) * inverse;
-        lanes ux = lanes_gather(grains->vx, j) - lanes_gather(grains->vx, i);
-        lanes uy = lanes_gather(grains->vy, j) - lanes_gather(grains->vy, i);
-        lanes reach = lanes_gather(grains->radius, i) + lanes_gather(grains->radius, j);
-        lanes vn = ux * nx + uy * ny;
-        lanes fn = lanes_larger(kn * (reach - distance) - gamma * vn, least);
-        lanes_store_rows(touching->force + RK_FORCE_WIDTH * c, fn * nx, fn * ny, none, none);
-        give(grains->force, touching, c, lesser(c + LANES, touching->count));
+/* Which of the variants of the contact passes is meant: always constants, so that what a scene
+ * does not use is not in its loop. */
+struct flavour {
+    enum rk_normal normal;
+    enum rk_tangent tangent;
+    bool rolls, mixed;
+};
+
+/* Eight contacts, of pairs or at walls: what the laws of engine/contact.h are functions of. */
+struct meeting {
+    lanes overlap, rate, slip, spin;
+    lanes reduced_radius, reduced_mass;
+    lanes rough; /* 0 at a smooth wall */
+};
+
+struct answer {
+    lanes fn, ft, moment;
+};
+
+#define COEFFICIENT(member)                                                                        \
+    (f.mixed ? lanes_gather(&law->of[0].member, index) : lanes_all(law->of[0].member))
+
+static INLINE struct answer resist(const struct flavour f, const struct rk_contact_law *law,
+                                   const uint32_t *index, const struct meeting *m, lanes ft,
+                                   lanes moment) {
+    struct answer a = {lanes_all(0), ft, moment};
+    if (f.normal == RK_LINEAR) {
+        a.fn = law_linear(m->overlap, m->rate, COEFFICIENT(kn), COEFFICIENT(gamma));
+    } else if (f.normal == RK_MASS_DAMPED) {
+        a.fn = law_mass_damped(m->overlap, m->rate, m->reduced_mass, COEFFICIENT(kn),
+                               COEFFICIENT(gamma));
+    } else {
+        a.fn = law_viscoelastic(m->overlap, m->rate, m->reduced_radius, COEFFICIENT(young),
+                                COEFFICIENT(loss));
+    }
+    a.fn = lanes_larger(a.fn, lanes_all(law->least));
+    if (f.tangent == RK_CUNDALL_STRACK) {
+        a.ft = friction_cundall_strack(ft, m->slip, a.fn, COEFFICIENT(kt_dt),
+                                       COEFFICIENT(mu) * m->rough);
+    } else if (f.tangent == RK_HAFF_WERNER) {
+        a.ft =
+            friction_haff_werner(m->slip, a.fn, COEFFICIENT(gamma_t), COEFFICIENT(mu) * m->rough);
+    }
+    if (f.rolls) {
+        a.moment = rolling_spring(moment, m->spin, a.fn, m->reduced_radius, COEFFICIENT(kt_dt),
+                                  COEFFICIENT(mu_rolling) * m->rough);
+    }
+    return a;
+}
+
+/* Where the coefficients of eight pairs of materials begin, counted in doubles. */
+static INLINE void mix(const struct rk_contact_law *law, const uint32_t *material,
+                       const uint32_t *i, const uint32_t *j, uint32_t index[LANES]) {
+    for (int l = 0; l < LANES; l++) {
+        index[l] = (uint32_t)((material[i[l]] * law->materials + material[j[l]]) *
+                              (uint32_t)RK_COEFFICIENTS);
     }
 }
 
-static void push_and_rub(struct rk_grains *grains, const struct rk_contact_law *law,
-                         struct rk_pairs *pairs, struct rk_touching *touching,
-                         const double gravity[2]) {
-    const double kn = law->kn, gamma = law->gamma, kt_dt = law->kt_dt, mu = law->mu;
-    const lanes least = lanes_all(law->least), none = lanes_all(0);
-    weigh(grains, gravity);
+static INLINE void push(const struct flavour f, struct rk_grains *grains,
+                        const struct rk_contact_law *law, struct rk_pairs *pairs,
+                        struct rk_touching *touching) {
+    const bool rotates = f.tangent != RK_SMOOTH;
+    const lanes none = lanes_all(0);
     fill_up(touching);
     for (size_t c = 0; c < touching->count; c += LANES) {
         const uint32_t *i = touching->first + c, *j = touching->second + c;
-        lanes distance = lanes_root(lanes_load(touching->d2 + c));
+        uint32_t index[LANES];
+        struct meeting m = {.rough = lanes_all(1)};
+        lanes d2 = lanes_load(touching->d2 + c), distance = lanes_root(d2);
         lanes radius_i = lanes_gather(grains->radius, i);
         lanes radius_j = lanes_gather(grains->radius, j);
         lanes reach = radius_i + radius_j;
         lanes quotient = 1 / (distance * reach); /* one division for the two that are needed */
-        lanes inverse = reach * quotient, share = lanes_load(touching->d2 + c) * quotient;
+        lanes inverse = reach * quotient, share = d2 * quotient;
         lanes nx = lanes_load(touching->dx + c) * inverse;
         lanes ny = lanes_load(touching->dy + c) * inverse;
         lanes ux = lanes_gather(grains->vx, j) - lanes_gather(grains->vx, i);
         lanes uy = lanes_gather(grains->vy, j) - lanes_gather(grains->vy, i);
-        lanes arm_i = radius_i * share, arm_j = radius_j * share;
-        lanes vn = ux * nx + uy * ny;
-        lanes vt = uy * nx - ux * ny - arm_i * lanes_gather(grains->omega, i) -
-                   arm_j * lanes_gather(grains->omega, j);
-        lanes fn = lanes_larger(kn * (reach - distance) - gamma * vn, least);
-        lanes cap = mu * lanes_larger(fn, none);
-        lanes ft = lanes_load(touching->ft + c) - kt_dt * vt;
-        ft = lanes_larger(lanes_smaller(ft, cap), -cap);
-        lanes_store(touching->ft + c, ft);
-        lanes_store_rows(touching->force + RK_FORCE_WIDTH * c, fn * nx - ft * ny, fn * ny + ft * nx,
-                         -arm_i * ft, -arm_j * ft);
+        lanes arm_i = none, arm_j = none, ft = none, moment = none;
+        m.overlap = reach - distance;
+        m.rate = -(ux * nx + uy * ny);
+        if (f.normal == RK_MASS_DAMPED) {
+            lanes mass_i = lanes_gather(grains->mass, i), mass_j = lanes_gather(grains->mass, j);
+            m.reduced_mass = mass_i * mass_j / (mass_i + mass_j);
+        }
+        if (f.normal == RK_VISCOELASTIC || f.rolls) {
+            m.reduced_radius = radius_i * radius_j / reach;
+        }
+        if (rotates) {
+            lanes omega_i = lanes_gather(grains->omega, i),
+                  omega_j = lanes_gather(grains->omega, j);
+            arm_i = radius_i * share;
+            arm_j = radius_j * share;
+            m.slip = uy * nx - ux * ny - arm_i * omega_i - arm_j * omega_j;
+            m.spin = omega_i - omega_j;
+        }
+        if (f.mixed) {
+            mix(law, grains->material, i, j, index);
+        }
+        if (f.tangent == RK_CUNDALL_STRACK) {
+            ft = lanes_load(touching->history[RK_HISTORY_FT] + c);
+        }
+        if (f.rolls) {
+            moment = lanes_load(touching->history[RK_HISTORY_MOMENT] + c);
+        }
+        struct answer a = resist(f, law, index, &m, ft, moment);
+        lanes turn_i = -(arm_i * a.ft), turn_j = -(arm_j * a.ft);
+        if (f.rolls) {
+            turn_i -= a.moment;
+            turn_j += a.moment;
+            lanes_store(touching->history[RK_HISTORY_MOMENT] + c, a.moment);
+        }
+        if (f.tangent == RK_CUNDALL_STRACK) {
+            lanes_store(touching->history[RK_HISTORY_FT] + c, a.ft);
+        }
+        lanes fx = a.fn * nx, fy = a.fn * ny;
+        if (rotates) {
+            fx -= a.ft * ny;
+            fy += a.ft * nx;
+        }
+        lanes_store_rows(touching->force + RK_FORCE_WIDTH * c, fx, fy, turn_i, turn_j);
         size_t end = lesser(c + LANES, touching->count);
         give(grains->force, touching, c, end);
         for (size_t k = c; k < end; k++) {
-            pairs->ft[touching->pair[k]] = touching->ft[k];
+            if (f.tangent == RK_CUNDALL_STRACK || f.rolls) {
+                pairs->history[RK_HISTORY_FT][touching->pair[k]] =
+                    touching->history[RK_HISTORY_FT][k];
+            }
+            if (f.rolls) {
+                pairs->history[RK_HISTORY_MOMENT][touching->pair[k]] =
+                    touching->history[RK_HISTORY_MOMENT][k];
+            }
         }
     }
 }
+
+/* The same at walls, with the wall as an infinitely large and heavy partner. */
+static INLINE void press(const struct flavour f, struct rk_grains *grains,
+                         const struct rk_contact_law *law, struct rk_wall_touching *touching) {
+    const bool rotates = f.tangent != RK_SMOOTH;
+    const lanes none = lanes_all(0);
+    for (size_t c = 0; c < touching->count; c += LANES) {
+        const uint32_t *i = touching->grain + c;
+        uint32_t index[LANES];
+        struct meeting m = {.rough = lanes_load(touching->rough + c)};
+        lanes nx = lanes_load(touching->nx + c), ny = lanes_load(touching->ny + c);
+        lanes ux = lanes_load(touching->vx + c) - lanes_gather(grains->vx, i);
+        lanes uy = lanes_load(touching->vy + c) - lanes_gather(grains->vy, i);
+        lanes radius = lanes_gather(grains->radius, i), ft = none, moment = none;
+        m.overlap = lanes_load(touching->overlap + c);
+        m.rate = -(ux * nx + uy * ny);
+        m.reduced_radius = radius;
+        m.reduced_mass = lanes_gather(grains->mass, i);
+        if (rotates) {
+            lanes omega = lanes_gather(grains->omega, i);
+            m.slip = uy * nx - ux * ny - radius * omega;
+            m.spin = omega - lanes_load(touching->omega + c);
+            ft = lanes_load(touching->history[RK_HISTORY_FT] + c);
+            moment = lanes_load(touching->history[RK_HISTORY_MOMENT] + c);
+        }
+        if (f.mixed) {
+            for (int l = 0; l < LANES; l++) {
+                index[l] = (uint32_t)((grains->material[i[l]] * law->materials +
+                                       touching->material[c + (size_t)l]) *
+                                      (uint32_t)RK_COEFFICIENTS);
+            }
+        }
+        struct answer a = resist(f, law, index, &m, ft, moment);
+        lanes fx = a.fn * nx, fy = a.fn * ny, turn = none;
+        if (rotates) {
+            fx -= a.ft * ny;
+            fy += a.ft * nx;
+            turn = -(radius * a.ft);
+        }
+        if (f.rolls) {
+            turn -= a.moment;
+        }
+        lanes_store(touching->fn + c, a.fn);
+        lanes_store(touching->history[RK_HISTORY_FT] + c, a.ft);
+        lanes_store(touching->history[RK_HISTORY_MOMENT] + c, a.moment);
+        lanes_store_rows(touching->force + RK_FORCE_WIDTH * c, fx, fy, turn, none);
+    }
+}
+
+/* Every flavour there is, by name. Rolling needs friction, for without it nothing turns. */
+#define FLAVOUR(name, n, t, r, x)                                                                  \
+    static void push_##name(struct rk_grains *grains, const struct rk_contact_law *law,            \
+                            struct rk_pairs *pairs, struct rk_touching *touching) {                \
+        push((struct flavour){n, t, r, x}, grains, law, pairs, touching);                          \
+    }                                                                                              \
+    static void press_##name(struct rk_grains *grains, const struct rk_contact_law *law,           \
+                             struct rk_wall_touching *touching) {                                  \
+        press((struct flavour){n, t, r, x}, grains, law, touching);                                \
+    }
+#define FLAVOURS_OF(tag, n)                                                                        \
+    FLAVOUR(tag##_smooth, n, RK_SMOOTH, false, false)                                              \
+    FLAVOUR(tag##_smooth_mixed, n, RK_SMOOTH, false, true)                                         \
+    FLAVOUR(tag##_cs, n, RK_CUNDALL_STRACK, false, false)                                          \
+    FLAVOUR(tag##_cs_mixed, n, RK_CUNDALL_STRACK, false, true)                                     \
+    FLAVOUR(tag##_cs_rolls, n, RK_CUNDALL_STRACK, true, false)                                     \
+    FLAVOUR(tag##_cs_rolls_mixed, n, RK_CUNDALL_STRACK, true, true)                                \
+    FLAVOUR(tag##_hw, n, RK_HAFF_WERNER, false, false)                                             \
+    FLAVOUR(tag##_hw_mixed, n, RK_HAFF_WERNER, false, true)                                        \
+    FLAVOUR(tag##_hw_rolls, n, RK_HAFF_WERNER, true, false)                                        \
+    FLAVOUR(tag##_hw_rolls_mixed, n, RK_HAFF_WERNER, true, true)
+FLAVOURS_OF(linear, RK_LINEAR)
+FLAVOURS_OF(mass_damped, RK_MASS_DAMPED)
+FLAVOURS_OF(viscoelastic, RK_VISCOELASTIC)
+
+/* [tangent][rolls][mixed] of one normal law. */
+#define TABLE_OF(pass, tag)                                                                        \
+    {                                                                                              \
+        {{pass##_##tag##_smooth, pass##_##tag##_smooth_mixed}, {0}},                               \
+            {{pass##_##tag##_cs, pass##_##tag##_cs_mixed},                                         \
+             {pass##_##tag##_cs_rolls, pass##_##tag##_cs_rolls_mixed}},                            \
+            {{pass##_##tag##_hw, pass##_##tag##_hw_mixed},                                         \
+             {pass##_##tag##_hw_rolls, pass##_##tag##_hw_rolls_mixed}},                            \
+    }
 
 const struct rk_kernel KERNEL_TABLE = {
     .piece = {KERNEL_NAME, KERNEL_DOC},
     .usable = KERNEL_USABLE,
     .predict = predict,
     .touch = touch,
-    .push = push,
-    .push_and_rub = push_and_rub,
+    .weigh = weigh,
+    .push = {TABLE_OF(push, linear), TABLE_OF(push, mass_damped), TABLE_OF(push, viscoelastic)},
+    .press = {TABLE_OF(press, linear), TABLE_OF(press, mass_damped), TABLE_OF(press, viscoelastic)},
     .correct = correct,
 };

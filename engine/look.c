@@ -26,7 +26,7 @@ const struct rk_scene_spec *rk_scene_spec(const struct rk_scene *scene) {
 }
 
 bool rk_scene_rotates(const struct rk_scene *scene) {
-    return scene->rotates;
+    return scene->has[RK_IF_ROTATES];
 }
 
 enum rk_status rk_scene_grain(const struct rk_scene *scene, uint32_t tag, struct rk_grain *grain,
@@ -42,11 +42,12 @@ enum rk_status rk_scene_grain(const struct rk_scene *scene, uint32_t tag, struct
         .y = g->y[i],
         .vx = g->vx[i],
         .vy = g->vy[i],
-        .angle = scene->rotates ? g->angle[i] : 0,
-        .omega = scene->rotates ? g->omega[i] : 0,
+        .angle = scene->has[RK_IF_ROTATES] ? g->angle[i] : 0,
+        .omega = scene->has[RK_IF_ROTATES] ? g->omega[i] : 0,
         .radius = g->radius[i],
         .mass = g->mass[i],
         .held = g->inverse_mass[i] == 0,
+        .material = g->material ? g->material[i] : 0,
     };
     return RK_OK;
 }
@@ -64,10 +65,10 @@ void rk_scene_snapshot(const struct rk_scene *scene, const struct rk_snapshot *o
             out->velocity[2 * tag + 1] = (float)g->vy[i];
         }
         if (out->angle) {
-            out->angle[tag] = scene->rotates ? (float)g->angle[i] : 0;
+            out->angle[tag] = scene->has[RK_IF_ROTATES] ? (float)g->angle[i] : 0;
         }
         if (out->omega) {
-            out->omega[tag] = scene->rotates ? (float)g->omega[i] : 0;
+            out->omega[tag] = scene->has[RK_IF_ROTATES] ? (float)g->omega[i] : 0;
         }
         if (out->radius) {
             out->radius[tag] = g->radius[i];
@@ -84,15 +85,14 @@ size_t rk_scene_contacts(const struct rk_scene *scene) {
 
 static void wall_contact(const struct rk_scene *scene, size_t c, struct rk_contact *contact) {
     const struct rk_wall_touching *t = &scene->wall_touching;
-    const double *normal = scene->walls[t->wall[c]].spec.normal;
     *contact = (struct rk_contact){
         .first = scene->grains.tag[t->grain[c]],
         .second = t->wall[c],
         .wall = true,
-        .normal = {-normal[0], -normal[1]},
+        .normal = {t->nx[c], t->ny[c]},
         .overlap = t->overlap[c],
         .fn = t->fn[c],
-        .ft = t->ft[c],
+        .ft = t->history[RK_HISTORY_FT][c],
     };
 }
 
@@ -112,7 +112,7 @@ void rk_scene_contact(const struct rk_scene *scene, size_t i, struct rk_contact 
         .normal = {nx, ny},
         .overlap = scene->grains.radius[a] + scene->grains.radius[b] - distance,
         .fn = force[0] * nx + force[1] * ny,
-        .ft = t->ft ? t->ft[i] : 0,
+        .ft = scene->has[RK_IF_ROTATES] ? force[1] * nx - force[0] * ny : 0,
     };
 }
 
@@ -140,7 +140,7 @@ struct rk_energy rk_scene_energy(const struct rk_scene *scene) {
         energy.kinetic += 0.5 * g->mass[i] * (g->vx[i] * g->vx[i] + g->vy[i] * g->vy[i]);
         energy.gravitational -=
             g->mass[i] * (scene->spec.gravity[0] * g->x[i] + scene->spec.gravity[1] * g->y[i]);
-        if (scene->rotates) {
+        if (scene->has[RK_IF_ROTATES]) {
             double inertia = 0.5 * g->mass[i] * g->radius[i] * g->radius[i];
             energy.rotational += 0.5 * inertia * g->omega[i] * g->omega[i];
         }
@@ -150,7 +150,7 @@ struct rk_energy rk_scene_energy(const struct rk_scene *scene) {
         struct rk_contact contact;
         rk_scene_contact(scene, c, &contact);
         energy.elastic += 0.5 * law->kn * contact.overlap * contact.overlap;
-        if (scene->rotates && law->kt > 0) {
+        if (scene->has[RK_IF_ROTATES] && law->kt > 0) {
             energy.elastic += 0.5 * contact.ft * contact.ft / law->kt;
         }
     }
@@ -178,9 +178,9 @@ size_t rk_scene_memory(const struct rk_scene *scene) {
     size_t grain = 10 * sizeof(double) + sizeof(uint32_t) + RK_FORCE_WIDTH * sizeof(double) +
                    4 * sizeof(uint32_t);
     size_t pair = 3 * sizeof(uint32_t) + 4 * sizeof(double) + RK_FORCE_WIDTH * sizeof(double);
-    grain += scene->rotates ? 4 * sizeof(double) : 0;
+    grain += scene->has[RK_IF_ROTATES] ? 4 * sizeof(double) : 0;
     pair += scene->spec.period_x > 0 ? sizeof(double) : 0;
-    pair += 2 * sizeof(uint32_t) + (scene->rotates ? 2 * sizeof(double) : 0);
+    pair += 2 * sizeof(uint32_t) + (scene->has[RK_IF_ROTATES] ? 2 * sizeof(double) : 0);
     size_t bytes = sizeof *scene + grain * scene->grains.capacity + pair * scene->pairs.capacity +
                    near->found_capacity * sizeof(uint64_t) +
                    near->cell_capacity * sizeof(uint32_t) +

@@ -319,11 +319,13 @@ static enum rk_status reserve_pairs(struct rk_scene *scene, size_t count, struct
     bool failed = replace_index(&pairs->first, capacity) ||
                   replace_index(&pairs->second, capacity) || replace(&pairs->reach2, capacity) ||
                   (scene->spec.period_x > 0 && replace(&pairs->shift, capacity)) ||
-                  (scene->rotates && replace(&pairs->ft, capacity)) ||
                   replace_index(&touching->pair, capacity) || replace(&touching->dx, capacity) ||
                   replace(&touching->dy, capacity) || replace(&touching->d2, capacity) ||
                   replace(&touching->force, RK_FORCE_WIDTH * capacity);
-    if (!failed && !scene->rotates) { /* no history: not among the fields that are kept */
+    for (size_t h = 0; !failed && h < pairs->histories; h++) {
+        failed = replace(&pairs->history[h], capacity);
+    }
+    if (!failed && !scene->has[RK_IF_REMEMBERS]) { /* not among the fields that are kept */
         failed =
             replace_index(&touching->first, capacity) || replace_index(&touching->second, capacity);
     }
@@ -393,7 +395,7 @@ static void measure_pairs(struct rk_scene *scene) {
     }
 }
 
-/* Both lists are in the same order: one walk along them hands over the tangential forces. */
+/* Both lists are in the same order: one walk along them hands over what contacts remember. */
 static void carry_history(struct rk_scene *scene) {
     struct rk_pairs *pairs = &scene->pairs;
     const struct rk_touching *touching = &scene->touching;
@@ -406,7 +408,9 @@ static void carry_history(struct rk_scene *scene) {
         }
         bool same = c < touching->count && touching->first[c] == pairs->first[p] &&
                     touching->second[c] == pairs->second[p];
-        pairs->ft[p] = same ? touching->ft[c] : 0;
+        for (size_t h = 0; h < pairs->histories; h++) {
+            pairs->history[h][p] = same ? touching->history[h][c] : 0;
+        }
     }
 }
 
@@ -436,7 +440,7 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
     }
     order_pairs(scene, near->found, search.count);
     measure_pairs(scene);
-    if (scene->rotates) {
+    if (scene->has[RK_IF_REMEMBERS]) {
         carry_history(scene);
     }
     near->moved = (struct rk_bounds){{0, 0}, {0, 0}};
@@ -485,10 +489,22 @@ void rk_neighbours_free(struct rk_scene *scene) {
     struct rk_neighbours *near = &scene->neighbours;
     struct rk_pairs *pairs = &scene->pairs;
     struct rk_touching *touching = &scene->touching;
-    void *const blocks[] = {near->found,     near->cell_start, near->cell_of,  near->in_cell,
-                            near->row_start, pairs->first,     pairs->second,  pairs->shift,
-                            pairs->reach2,   pairs->ft,        touching->pair, touching->dx,
-                            touching->dy,    touching->d2,     touching->force};
+    void *const blocks[] = {near->found,
+                            near->cell_start,
+                            near->cell_of,
+                            near->in_cell,
+                            near->row_start,
+                            pairs->first,
+                            pairs->second,
+                            pairs->shift,
+                            pairs->reach2,
+                            pairs->history[RK_HISTORY_FT],
+                            pairs->history[RK_HISTORY_MOMENT],
+                            touching->pair,
+                            touching->dx,
+                            touching->dy,
+                            touching->d2,
+                            touching->force};
     for (size_t b = 0; b < sizeof blocks / sizeof *blocks; b++) {
         free(blocks[b]);
     }

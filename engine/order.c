@@ -81,7 +81,7 @@ static void reorder_wall_contacts(struct rk_scene *scene, const uint32_t *now_at
 
 enum rk_status rk_order_renew(struct rk_scene *scene, struct rk_error *err) {
     struct rk_grains *g = &scene->grains;
-    if (!scene->rotates) {
+    if (!scene->has[RK_IF_REMEMBERS]) {
         scene->touching.count = 0; /* no history, nothing to carry over */
     }
     size_t n = g->count, most = n;

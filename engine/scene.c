@@ -88,10 +88,25 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     return status;
 }
 
+static void note_needs(struct rk_scene *scene) {
+    const struct rk_contact_spec *contact = &scene->spec.contact;
+    bool rolls = contact->rolling == &rk_rolling_spring;
+    bool springs = contact->friction == &rk_friction_cundall_strack.piece;
+    scene->has[RK_ALWAYS] = true;
+    scene->has[RK_IF_ROTATES] = contact->friction != &rk_friction_none.piece;
+    scene->has[RK_IF_REMEMBERS] = springs || rolls;
+    scene->has[RK_IF_ROLLS] = rolls;
+    scene->pairs.histories = rolls ? 2 : springs ? 1 : 0;
+    scene->touching.histories = scene->pairs.histories;
+}
+
 enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene **scene,
                                struct rk_error *err) {
     *scene = NULL;
     enum rk_status status = check_spec(spec, err);
+    if (status == RK_OK) {
+        status = rk_contact_check(&spec->contact, err);
+    }
     if (status) {
         return status;
     }
@@ -108,10 +123,10 @@ enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene
     new->spec.kernel = &kernel->piece;
     new->kernel = kernel;
     if (!new->spec.contact.law) {
-        new->spec.contact.law = &rk_law_linear;
+        new->spec.contact.law = &rk_law_linear.piece;
     }
     if (!new->spec.contact.friction) {
-        new->spec.contact.friction = &rk_friction_none;
+        new->spec.contact.friction = &rk_friction_none.piece;
     }
     if (!new->spec.contact.tension) {
         new->spec.contact.tension = &rk_tension_cut;
@@ -119,7 +134,12 @@ enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene
     if (!new->spec.accuracy.neighbour) {
         new->spec.accuracy.neighbour = rk_neighbour_default;
     }
-    new->rotates = new->spec.contact.friction != &rk_friction_none;
+    if (!new->spec.contact.rolling) {
+        new->spec.contact.rolling = &rk_rolling_none;
+    }
+    note_needs(new);
+    new->materials[0] = rk_contact_material(&new->spec.contact, spec->gamma);
+    new->material_count = 1;
     status = allocate(new, err);
     if (status) {
         rk_scene_free(new);
@@ -146,6 +166,32 @@ void rk_scene_free(struct rk_scene *scene) {
 /* ---- Grains and walls ---------------------------------------------------------------------------
  */
 
+enum rk_status rk_scene_add_material(struct rk_scene *scene, const struct rk_material *properties,
+                                     size_t *material, struct rk_error *err) {
+    const double *numbers = &properties->kn;
+    if (scene->material_count == RK_MATERIALS_MAX) {
+        return rk_fail(err, RK_EINVALID, "a scene has room for %zu materials", RK_MATERIALS_MAX);
+    }
+    if (scene->grains.count > 0) {
+        return rk_fail(err, RK_EINVALID, "materials are added before the grains");
+    }
+    for (size_t k = 0; k < sizeof *properties / sizeof(double); k++) {
+        if (!(numbers[k] >= 0) || !isfinite(numbers[k])) {
+            return rk_fail(err, RK_EINVALID,
+                           "the numbers of a material must be finite and not below 0, number %zu "
+                           "is %g",
+                           k, numbers[k]);
+        }
+    }
+    scene->has[RK_IF_MIXED] = true;
+    enum rk_status status = rk_fields_resize(scene, &rk_grain_fields, scene->spec.grains, err);
+    if (status == RK_OK) {
+        *material = scene->material_count;
+        scene->materials[scene->material_count++] = *properties;
+    }
+    return status;
+}
+
 static enum rk_status check_grain(const struct rk_scene *scene, const struct rk_grain *grain,
                                   struct rk_error *err) {
     const struct rk_grains *g = &scene->grains;
@@ -163,6 +209,10 @@ static enum rk_status check_grain(const struct rk_scene *scene, const struct rk_
         return rk_fail(err, RK_EINVALID,
                        "grain %zu has radius %g and mass %g; both must be above 0 and finite",
                        g->count, grain->radius, grain->mass);
+    }
+    if (grain->material >= scene->material_count) {
+        return rk_fail(err, RK_EINVALID, "grain %zu is of material %zu, the scene has %zu",
+                       g->count, grain->material, scene->material_count);
     }
     if (grain->mass < scene->spec.smallest * (1 - 1e-12)) {
         return rk_fail(err, RK_EINVALID,
@@ -190,7 +240,10 @@ enum rk_status rk_scene_add_grain(struct rk_scene *scene, const struct rk_grain 
     g->mass[i] = grain->mass;
     g->inverse_mass[i] = grain->held ? 0 : 1 / grain->mass;
     g->tag[i] = (uint32_t)i;
-    if (scene->rotates) {
+    if (g->material) {
+        g->material[i] = (uint32_t)grain->material;
+    }
+    if (scene->has[RK_IF_ROTATES]) {
         g->angle[i] = grain->angle;
         g->omega[i] = grain->held ? 0 : grain->omega;
         g->alpha[i] = 0;
@@ -216,6 +269,10 @@ enum rk_status rk_scene_add_wall(struct rk_scene *scene, const struct rk_wall_sp
     if (!(fabs(length - 1) < 1e-9) || !isfinite(wall->point[0]) || !isfinite(wall->point[1])) {
         return rk_fail(err, RK_EINVALID,
                        "a wall needs a finite point and a normal of length 1, not %g", length);
+    }
+    if (wall->material >= scene->material_count) {
+        return rk_fail(err, RK_EINVALID, "a wall is of material %zu, the scene has %zu",
+                       wall->material, scene->material_count);
     }
     enum rk_status status = check_drive(&wall->drive, err);
     if (status == RK_OK) {
@@ -256,7 +313,7 @@ void rk_scene_slow_down(struct rk_scene *scene, double keep) {
     for (size_t i = 0; i < g->count; i++) {
         g->vx[i] *= keep;
         g->vy[i] *= keep;
-        if (scene->rotates) {
+        if (scene->has[RK_IF_ROTATES]) {
             g->omega[i] *= keep;
         }
     }
@@ -273,7 +330,7 @@ enum rk_status rk_scene_hold(struct rk_scene *scene, uint32_t tag, bool held,
     g->inverse_mass[i] = held ? 0 : 1 / g->mass[i];
     g->vx[i] = g->vy[i] = g->ax[i] = g->ay[i] = 0;
     scene->primed = 0;
-    if (scene->rotates) {
+    if (scene->has[RK_IF_ROTATES]) {
         g->inverse_inertia[i] = held ? 0 : 2 / (g->mass[i] * g->radius[i] * g->radius[i]);
         g->omega[i] = g->alpha[i] = 0;
     }
@@ -328,8 +385,9 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
     since = tick(scene, RK_PHASE_NEIGHBOURS, since);
     kernel->touch(&scene->grains, &scene->pairs, &scene->touching);
     since = tick(scene, RK_PHASE_TOUCH, since);
-    (scene->rotates ? kernel->push_and_rub : kernel->push)(&scene->grains, law, &scene->pairs,
-                                                           &scene->touching, scene->spec.gravity);
+    kernel->weigh(&scene->grains, scene->spec.gravity);
+    kernel->push[law->normal][law->tangent][law->rolls][law->materials > 1](
+        &scene->grains, law, &scene->pairs, &scene->touching);
     since = tick(scene, RK_PHASE_PUSH, since);
     enum rk_status status = rk_walls_push(scene, law, err);
     tick(scene, RK_PHASE_WALLS, since);
@@ -341,7 +399,8 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
 /* Before the very first step: accelerations that belong to the positions. No time passes, so no
  * tangential force builds up. */
 static enum rk_status prime(struct rk_scene *scene, struct rk_error *err) {
-    struct rk_contact_law law = rk_contact_law_of(&scene->spec, 0);
+    struct rk_contact_law law;
+    rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, 0);
     rk_walls_move(scene, rk_scene_time(scene));
     enum rk_status status = add_forces(scene, &law, err);
     if (status == RK_OK) {
@@ -408,7 +467,9 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
 }
 
 enum rk_status rk_scene_step(struct rk_scene *scene, uint64_t steps, struct rk_error *err) {
-    struct rk_contact_law law = rk_contact_law_of(&scene->spec, scene->spec.dt);
+    struct rk_contact_law law;
+    rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count,
+                        scene->spec.dt);
     enum rk_status status = scene->ready ? RK_OK : rk_scene_get_ready(scene, err);
     for (uint64_t s = 0; status == RK_OK && s < steps; s++) {
         status = step_once(scene, &law, err);

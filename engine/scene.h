@@ -12,6 +12,19 @@
 /* Sums over contacts of a grain: fx, fy, torque, and one double to fill half a cache line. */
 enum { RK_FORCE_WIDTH = 4 };
 
+/* What a contact remembers while it lives: the tangential force and the rolling moment. */
+enum { RK_HISTORY_FT, RK_HISTORY_MOMENT, RK_HISTORIES };
+
+/* What a scene may have or not have; state that belongs to it is there or not. */
+enum rk_need {
+    RK_ALWAYS,
+    RK_IF_ROTATES,   /* there is friction */
+    RK_IF_REMEMBERS, /* contacts have a history */
+    RK_IF_ROLLS,     /* there is rolling resistance */
+    RK_IF_MIXED,     /* there are several materials */
+    RK_NEEDS
+};
+
 struct rk_grains {
     size_t count, capacity;
     double *x, *y, *vx, *vy, *ax, *ay;
@@ -19,7 +32,8 @@ struct rk_grains {
     double *radius, *mass, *inverse_mass; /* inverse_mass is 0 for a held grain */
     double *inverse_inertia;              /* likewise; NULL where nothing rotates */
     uint32_t *tag;
-    double *force; /* [capacity][RK_FORCE_WIDTH], scratch of a step */
+    uint32_t *material; /* NULL where there is one material only */
+    double *force;      /* [capacity][RK_FORCE_WIDTH], scratch of a step */
 };
 
 /* Neighbour pairs in the order of (first, second), first < second. */
@@ -28,7 +42,8 @@ struct rk_pairs {
     uint32_t *first, *second;
     double *shift;  /* added to x[second] - x[first] to reach the nearest image; NULL if open */
     double *reach2; /* (R_first + R_second)^2 */
-    double *ft;     /* tangential force of the last step, 0 if not touching; NULL if frictionless */
+    size_t histories;
+    double *history[RK_HISTORIES]; /* of the last step, 0 if not touching */
 };
 
 /* The touching ones of the last step, in the same order. */
@@ -36,7 +51,8 @@ struct rk_touching {
     size_t count;
     uint32_t *first, *second, *pair;
     double *dx, *dy, *d2; /* from first to second */
-    double *ft;           /* NULL if frictionless */
+    size_t histories;
+    double *history[RK_HISTORIES];
     double *force; /* [capacity][RK_FORCE_WIDTH]: on second fx, fy; torques on first, second */
 };
 
@@ -64,18 +80,22 @@ struct rk_wall {
     double at[2], velocity[2]; /* the present place of spec.point, and its velocity */
     double force[2];           /* of the grains on it */
     size_t near_count;
-    uint32_t *near;  /* grains that may touch before the list is renewed, ascending */
-    double *ft;      /* of each of them; NULL without friction */
-    double built_at; /* normal . at when the list was built */
+    uint32_t *near;                /* grains that may touch before the list is renewed, ascending */
+    double *history[RK_HISTORIES]; /* of each of them */
+    double built_at;               /* normal . at when the list was built */
     struct rk_bounds built_moved;
     bool near_valid;
 };
 
-/* Wall contacts of the last step, by wall, then grain. */
+/* Wall contacts of the last step, by wall, then grain. Capacities are whole vectors. */
 struct rk_wall_touching {
     size_t count, capacity;
-    uint32_t *wall, *grain;
-    double *overlap, *fn, *ft;
+    uint32_t *wall, *grain, *material;
+    double *nx, *ny, *overlap; /* normal from the grain to the wall */
+    double *vx, *vy, *omega;   /* velocity of the wall where it is touched, and its spin */
+    double *rough;             /* 1, or 0 at a smooth wall */
+    double *fn, *history[RK_HISTORIES];
+    double *force; /* [capacity][RK_FORCE_WIDTH]: on the wall fx, fy; torque on the grain */
 };
 
 struct rk_kernel;
@@ -83,7 +103,9 @@ struct rk_kernel;
 struct rk_scene {
     struct rk_scene_spec spec;
     const struct rk_kernel *kernel;
-    bool rotates;
+    bool has[RK_NEEDS];
+    struct rk_material materials[RK_MATERIALS_MAX]; /* material 0 is spec.contact's */
+    size_t material_count;
     bool ready; /* sizes that depend on the radii are known, tags are indexed */
     uint64_t steps;
     uint64_t primed;    /* 1 once accelerations belong to the positions */

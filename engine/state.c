@@ -9,11 +9,20 @@
 #include <string.h>
 
 static const char state_mark[8] = {'R', 'K', 'S', 'T', 'A', 'T', 'E', '1'};
-enum { STATE_SCALARS = 6 }; /* steps, primed, rotates, and the lengths of the three sets */
+enum { STATE_SCALARS = 6 }; /* steps, primed, kind, and the lengths of the three sets */
 
 static const struct rk_field_set *const kept[] = {&rk_grain_fields, &rk_contact_fields,
                                                   &rk_wall_contact_fields};
 enum { KEPT = sizeof kept / sizeof *kept };
+
+/* What the scene has, a bit each: a state fits scenes of the same kind only. */
+static uint64_t kind_of(const struct rk_scene *scene) {
+    uint64_t kind = 0;
+    for (int need = 0; need < RK_NEEDS; need++) {
+        kind |= (uint64_t)scene->has[need] << need;
+    }
+    return kind;
+}
 
 static size_t set_bytes(const struct rk_scene *scene, const struct rk_field_set *set,
                         size_t length) {
@@ -26,7 +35,7 @@ static size_t set_bytes(const struct rk_scene *scene, const struct rk_field_set 
 
 static void kept_lengths(const struct rk_scene *scene, uint64_t lengths[KEPT]) {
     lengths[0] = scene->grains.count;
-    lengths[1] = scene->rotates ? scene->touching.count : 0;
+    lengths[1] = scene->has[RK_IF_REMEMBERS] ? scene->touching.count : 0;
     lengths[2] = scene->wall_touching.count;
 }
 
@@ -42,7 +51,7 @@ size_t rk_scene_packed_size(const struct rk_scene *scene) {
 
 void rk_scene_pack(const struct rk_scene *scene, void *block) {
     char *at = block;
-    uint64_t scalars[STATE_SCALARS] = {scene->steps, scene->primed, scene->rotates};
+    uint64_t scalars[STATE_SCALARS] = {scene->steps, scene->primed, kind_of(scene)};
     kept_lengths(scene, scalars + 3);
     memcpy(at, state_mark, sizeof state_mark);
     at += sizeof state_mark;
@@ -72,7 +81,7 @@ static enum rk_status check_block(const struct rk_scene *scene, const char *bloc
         return damaged(err, "it does not begin as one");
     }
     memcpy(scalars, block + sizeof state_mark, STATE_SCALARS * sizeof(uint64_t));
-    if (scalars[1] > 1 || scalars[2] != (uint64_t)scene->rotates) {
+    if (scalars[1] > 1 || scalars[2] != kind_of(scene)) {
         return damaged(err, "it is of a scene of another kind");
     }
     if (scalars[3] > scene->spec.grains || scalars[4] > UINT32_MAX ||
@@ -85,6 +94,16 @@ static enum rk_status check_block(const struct rk_scene *scene, const char *bloc
     return head == size ? RK_OK : damaged(err, "its length does not fit its contents");
 }
 
+static bool remembers_numbers(const struct rk_scene *scene, double *const history[RK_HISTORIES],
+                              size_t c) {
+    for (size_t h = 0; h < scene->touching.histories; h++) {
+        if (!isfinite(history[h][c])) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static enum rk_status check_contacts(const struct rk_scene *scene, struct rk_error *err) {
     const struct rk_touching *t = &scene->touching;
     const struct rk_wall_touching *w = &scene->wall_touching;
@@ -92,14 +111,17 @@ static enum rk_status check_contacts(const struct rk_scene *scene, struct rk_err
     for (size_t c = 0; c < t->count; c++) {
         bool later = c == 0 || t->first[c] > t->first[c - 1] ||
                      (t->first[c] == t->first[c - 1] && t->second[c] > t->second[c - 1]);
-        if (t->first[c] >= t->second[c] || t->second[c] >= n || !later || !isfinite(t->ft[c])) {
+        if (t->first[c] >= t->second[c] || t->second[c] >= n || !later ||
+            !remembers_numbers(scene, t->history, c)) {
             return damaged(err, "its contacts are out of order");
         }
     }
     for (size_t c = 0; c < w->count; c++) {
         bool later = c == 0 || w->wall[c] > w->wall[c - 1] ||
                      (w->wall[c] == w->wall[c - 1] && w->grain[c] > w->grain[c - 1]);
-        if (w->wall[c] >= scene->wall_count || w->grain[c] >= n || !later || !isfinite(w->ft[c])) {
+        if (w->wall[c] >= scene->wall_count || w->grain[c] >= n || !later ||
+            !isfinite(w->history[RK_HISTORY_FT][c]) ||
+            !isfinite(w->history[RK_HISTORY_MOMENT][c])) {
             return damaged(err, "its wall contacts are out of order");
         }
     }
@@ -113,6 +135,9 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
         if (!isfinite(sum) || !(g->radius[i] > 0) || !isfinite(g->radius[i]) || !(g->mass[i] > 0) ||
             !isfinite(g->mass[i]) || !(g->inverse_mass[i] >= 0)) {
             return damaged(err, "a grain has a value that cannot be");
+        }
+        if (g->material && g->material[i] >= scene->material_count) {
+            return damaged(err, "a grain is of a material that is not there");
         }
         if (g->tag[i] >= g->count) {
             return damaged(err, "a grain has a number that cannot be");

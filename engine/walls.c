@@ -3,9 +3,12 @@
 #include "base/memory.h"
 #include "engine/drives.h"
 #include "engine/fields.h"
+#include "engine/kernel.h"
+#include "engine/lanes.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 void rk_walls_move(struct rk_scene *scene, double t) {
     for (size_t w = 0; w < scene->wall_count; w++) {
@@ -19,6 +22,8 @@ void rk_walls_move(struct rk_scene *scene, double t) {
         }
     }
 }
+
+/* ---- Which grains are near ------------------------------------------------------------------- */
 
 static double along(const double n[2], const double r[2]) {
     return n[0] * r[0] + n[1] * r[1];
@@ -54,32 +59,7 @@ static bool listed(const struct rk_scene *scene, const struct rk_wall *wall, siz
     return gap < margin(scene);
 }
 
-static enum rk_status reserve_contacts(struct rk_scene *scene, struct rk_error *err) {
-    struct rk_wall_touching *t = &scene->wall_touching;
-    size_t most = 0;
-    for (size_t w = 0; w < scene->wall_count; w++) {
-        most += scene->walls[w].near_count;
-    }
-    if (most <= t->capacity) {
-        return RK_OK;
-    }
-    size_t capacity = most + most / 2 + 64;
-    double *overlap = rk_array_create(capacity, sizeof *overlap);
-    double *fn = rk_array_create(capacity, sizeof *fn);
-    if (!overlap || !fn) {
-        free(overlap);
-        free(fn);
-        return rk_fail(err, RK_EMEMORY, "no memory for %zu wall contacts", capacity);
-    }
-    free(t->overlap);
-    free(t->fn);
-    t->overlap = overlap;
-    t->fn = fn;
-    t->capacity = capacity;
-    return rk_fields_resize(scene, &rk_wall_contact_fields, capacity, err);
-}
-
-/* List the grains near a wall again; tangential forces come from the contacts of the last step,
+/* List the grains near a wall again. What contacts remember comes from those of the last step,
  * which are in the same order. */
 static enum rk_status list_near(struct rk_scene *scene, size_t w, struct rk_error *err) {
     struct rk_wall *wall = &scene->walls[w];
@@ -89,11 +69,15 @@ static enum rk_status list_near(struct rk_scene *scene, size_t w, struct rk_erro
         count += listed(scene, wall, i);
     }
     free(wall->near);
-    free(wall->ft);
     wall->near = rk_array_create(count, sizeof *wall->near);
-    wall->ft = rk_array_create(count, sizeof *wall->ft);
+    bool failed = !wall->near;
+    for (size_t h = 0; h < RK_HISTORIES; h++) {
+        free(wall->history[h]);
+        wall->history[h] = rk_array_create(count, sizeof(double));
+        failed = failed || !wall->history[h];
+    }
     wall->near_count = 0;
-    if (!wall->near || !wall->ft) {
+    if (failed) {
         return rk_fail(err, RK_EMEMORY, "no memory for %zu grains near a wall", count);
     }
     size_t c = 0;
@@ -108,7 +92,9 @@ static enum rk_status list_near(struct rk_scene *scene, size_t w, struct rk_erro
             c++;
         }
         bool touched = c < t->count && t->wall[c] == w && t->grain[c] == i;
-        wall->ft[wall->near_count] = touched ? t->ft[c] : 0;
+        for (size_t h = 0; h < RK_HISTORIES; h++) {
+            wall->history[h][wall->near_count] = touched ? t->history[h][c] : 0;
+        }
         wall->near[wall->near_count++] = (uint32_t)i;
     }
     wall->built_at = along(wall->spec.normal, wall->at);
@@ -117,46 +103,98 @@ static enum rk_status list_near(struct rk_scene *scene, size_t w, struct rk_erro
     return RK_OK;
 }
 
-static void push_wall(struct rk_scene *scene, size_t w, const struct rk_contact_law *law) {
-    struct rk_wall *wall = &scene->walls[w];
-    struct rk_grains *g = &scene->grains;
+/* ---- Contacts ---------------------------------------------------------------------------------
+ */
+
+static bool replace(double **array, size_t count) {
+    free(*array);
+    *array = rk_array_create(count, sizeof **array);
+    return *array != NULL;
+}
+
+static enum rk_status reserve_contacts(struct rk_scene *scene, struct rk_error *err) {
+    struct rk_wall_touching *t = &scene->wall_touching;
+    size_t most = t->count;
+    for (size_t w = 0; w < scene->wall_count; w++) {
+        most += scene->walls[w].near_count;
+    }
+    if (most <= t->capacity) {
+        return RK_OK;
+    }
+    size_t capacity = most + most / 2 + 64, room = capacity + LANES;
+    double **const arrays[] = {&t->nx, &t->ny,    &t->overlap, &t->vx,
+                               &t->vy, &t->omega, &t->rough,   &t->fn};
+    bool had = replace(&t->force, RK_FORCE_WIDTH * room);
+    for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++) {
+        had = replace(arrays[a], room) && had;
+    }
+    free(t->material);
+    t->material = rk_array_create(room, sizeof *t->material);
+    t->capacity = had && t->material ? capacity : 0;
+    if (!t->capacity) {
+        return rk_fail(err, RK_EMEMORY, "no memory for %zu wall contacts", capacity);
+    }
+    return rk_fields_resize(scene, &rk_wall_contact_fields, room, err);
+}
+
+/* Grains that touch the wall, put behind those of the walls before. */
+static void touch_wall(struct rk_scene *scene, size_t w) {
+    const struct rk_wall *wall = &scene->walls[w];
+    const struct rk_grains *g = &scene->grains;
     struct rk_wall_touching *t = &scene->wall_touching;
     const double nx = -wall->spec.normal[0], ny = -wall->spec.normal[1]; /* grain to wall */
-    const double mu = scene->rotates && wall->spec.friction ? law->mu : 0;
-    wall->force[0] = wall->force[1] = 0;
     for (size_t k = 0; k < wall->near_count; k++) {
         uint32_t i = wall->near[k];
-        double radius = g->radius[i];
-        double overlap = radius - (nx * (wall->at[0] - g->x[i]) + ny * (wall->at[1] - g->y[i]));
+        double overlap =
+            g->radius[i] - (nx * (wall->at[0] - g->x[i]) + ny * (wall->at[1] - g->y[i]));
         if (!(overlap > 0)) {
-            wall->ft[k] = 0;
+            wall->history[RK_HISTORY_FT][k] = wall->history[RK_HISTORY_MOMENT][k] = 0;
             continue;
         }
-        double ux = wall->velocity[0] - g->vx[i], uy = wall->velocity[1] - g->vy[i];
-        double fn = law->kn * overlap - law->gamma * (ux * nx + uy * ny);
-        fn = fn > law->least ? fn : law->least;
-        double ft = 0;
-        if (mu > 0) {
-            double vt = uy * nx - ux * ny - radius * g->omega[i];
-            double cap = mu * (fn > 0 ? fn : 0);
-            ft = wall->ft[k] - law->kt_dt * vt;
-            ft = ft < cap ? ft : cap;
-            ft = ft > -cap ? ft : -cap;
+        size_t c = t->count++;
+        t->wall[c] = (uint32_t)w;
+        t->grain[c] = i;
+        t->material[c] = (uint32_t)wall->spec.material;
+        t->nx[c] = nx;
+        t->ny[c] = ny;
+        t->overlap[c] = overlap;
+        t->vx[c] = wall->velocity[0];
+        t->vy[c] = wall->velocity[1];
+        t->omega[c] = 0;
+        t->rough[c] = wall->spec.friction ? 1 : 0;
+        t->history[RK_HISTORY_FT][c] = wall->history[RK_HISTORY_FT][k];
+        t->history[RK_HISTORY_MOMENT][c] = wall->history[RK_HISTORY_MOMENT][k];
+    }
+}
+
+/* The empty lanes behind the last contact repeat it; nobody reads what comes of them. */
+static void fill_up(struct rk_wall_touching *t) {
+    for (size_t c = t->count; t->count > 0 && c % LANES != 0; c++) {
+        t->grain[c] = t->grain[t->count - 1];
+        t->material[c] = t->material[t->count - 1];
+    }
+}
+
+/* Forces go to the grains and to the walls, and what contacts remember back to the lists. */
+static void give(struct rk_scene *scene) {
+    struct rk_wall_touching *t = &scene->wall_touching;
+    size_t k = 0;
+    for (size_t c = 0; c < t->count; c++) {
+        struct rk_wall *wall = &scene->walls[t->wall[c]];
+        const double *force = t->force + RK_FORCE_WIDTH * c;
+        double *total = scene->grains.force + RK_FORCE_WIDTH * (size_t)t->grain[c];
+        total[0] -= force[0];
+        total[1] -= force[1];
+        total[2] += force[2];
+        wall->force[0] += force[0];
+        wall->force[1] += force[1];
+        k = c > 0 && t->wall[c] == t->wall[c - 1] ? k : 0;
+        while (wall->near[k] != t->grain[c]) {
+            k++;
         }
-        wall->ft[k] = ft;
-        double fx = fn * nx - ft * ny, fy = fn * ny + ft * nx;
-        double *total = g->force + RK_FORCE_WIDTH * (size_t)i;
-        total[0] -= fx;
-        total[1] -= fy;
-        total[2] -= radius * ft;
-        wall->force[0] += fx;
-        wall->force[1] += fy;
-        t->wall[t->count] = (uint32_t)w;
-        t->grain[t->count] = i;
-        t->overlap[t->count] = overlap;
-        t->fn[t->count] = fn;
-        t->ft[t->count] = ft;
-        t->count++;
+        for (size_t h = 0; h < RK_HISTORIES; h++) {
+            wall->history[h][k] = t->history[h][c];
+        }
     }
 }
 
@@ -180,17 +218,27 @@ enum rk_status rk_walls_push(struct rk_scene *scene, const struct rk_contact_law
     }
     scene->wall_touching.count = 0;
     for (size_t w = 0; w < scene->wall_count; w++) {
-        push_wall(scene, w, law);
+        scene->walls[w].force[0] = scene->walls[w].force[1] = 0;
+        touch_wall(scene, w);
     }
+    fill_up(&scene->wall_touching);
+    scene->kernel->press[law->normal][law->tangent][law->rolls][law->materials > 1](
+        &scene->grains, law, &scene->wall_touching);
+    give(scene);
     return RK_OK;
 }
 
 void rk_walls_free(struct rk_scene *scene) {
+    struct rk_wall_touching *t = &scene->wall_touching;
+    void *const blocks[] = {t->material, t->nx,    t->ny,    t->overlap, t->vx,
+                            t->vy,       t->omega, t->rough, t->fn,      t->force};
+    for (size_t b = 0; b < sizeof blocks / sizeof *blocks; b++) {
+        free(blocks[b]);
+    }
     for (size_t w = 0; w < scene->wall_count; w++) {
         free(scene->walls[w].near);
-        free(scene->walls[w].ft);
+        free(scene->walls[w].history[RK_HISTORY_FT]);
+        free(scene->walls[w].history[RK_HISTORY_MOMENT]);
     }
     free(scene->walls);
-    free(scene->wall_touching.overlap);
-    free(scene->wall_touching.fn);
 }
