@@ -86,6 +86,7 @@ struct rk_scene_spec {
     struct rk_contact_spec contact;
     struct rk_accuracy_spec accuracy;
     struct rk_health_spec health;
+    bool ledger; /* account for energies, see rk_scene_ledger */
     const struct rk_piece
         *kernel; /* out of rk_kernel_registry; NULL: the fastest of this machine */
 };
@@ -141,7 +142,7 @@ double rk_contact_gamma(const struct rk_contact_spec *contact, double smallest);
  * stable for a grain of mass `smallest` in a triangular packing (w^2 = 6 kn/m, damping likewise;
  * physics of section "Integrators" in the README). */
 double rk_verlet_limit(double zeta); /* largest stable w0 dt of one contact of that damping */
-double rk_stable_step(double kn, double gamma, double smallest);
+double rk_stable_step(const struct rk_contact_spec *contact, double gamma, double smallest);
 
 /* ---- Life of a scene --------------------------------------------------------------------- */
 
@@ -225,8 +226,22 @@ void rk_scene_wall(const struct rk_scene *scene, size_t wall, double displacemen
 /* Energies of the present state: translation, rotation, springs of the contacts, height above 0. */
 struct rk_energy {
     double kinetic, rotational, elastic, gravitational;
+    double sheared; /* the part of elastic that tangential and rolling springs hold */
 };
 struct rk_energy rk_scene_energy(const struct rk_scene *scene);
+
+/* Where energy came from and went since the clock started, with spec.ledger; false without. The
+ * residual, energy - start - gravity - walls + damping + friction + rolling, is the error of the
+ * time step: it shrinks with dt^2 (engine/ledger.h). Friction and rolling include what their
+ * springs hold at present. */
+struct rk_ledger {
+    double start, energy;  /* kinetic, rotational and of normal springs, then and now */
+    double gravity, walls; /* work done on the grains */
+    double damping, friction, rolling;
+    double residual;
+};
+bool rk_scene_ledger(const struct rk_scene *scene, struct rk_ledger *out);
+double rk_scene_wall_work(const struct rk_scene *scene, size_t wall); /* of one wall, or 0 */
 
 /* The largest value of three kinds of trouble at present, for `check`s and for choosing limits. */
 struct rk_strain {

@@ -52,6 +52,22 @@ const struct rk_field_set rk_wall_contact_fields = {
     "wall contacts", wall_contact_rows, sizeof wall_contact_rows / sizeof *wall_contact_rows,
     offsetof(struct rk_scene, wall_touching.count)};
 
+#define LEDGER(member) offsetof(struct rk_scene, ledger.member)
+static const struct rk_field ledger_rows[] = {
+    {"work", RK_FIELD_F64, LEDGER(sums.work), RK_IF_LEDGER, "done by the wall, by gravity"},
+    {"damping", RK_FIELD_F64, LEDGER(sums.damping), RK_IF_LEDGER, "taken by dashpots"},
+    {"friction", RK_FIELD_F64, LEDGER(sums.friction), RK_IF_LEDGER, "taken by friction"},
+    {"rolling", RK_FIELD_F64, LEDGER(sums.rolling), RK_IF_LEDGER, "taken by rolling resistance"},
+    {"work_rate", RK_FIELD_F64, LEDGER(rates.work), RK_IF_LEDGER, "its rate at present"},
+    {"damping_rate", RK_FIELD_F64, LEDGER(rates.damping), RK_IF_LEDGER, "its rate at present"},
+    {"friction_rate", RK_FIELD_F64, LEDGER(rates.friction), RK_IF_LEDGER, "its rate at present"},
+    {"rolling_rate", RK_FIELD_F64, LEDGER(rates.rolling), RK_IF_LEDGER, "its rate at present"},
+    {"start", RK_FIELD_F64, LEDGER(start), RK_IF_LEDGER, "energy at the beginning, in row 0"},
+};
+const struct rk_field_set rk_ledger_fields = {"ledger rows", ledger_rows,
+                                              sizeof ledger_rows / sizeof *ledger_rows,
+                                              offsetof(struct rk_scene, ledger.count)};
+
 size_t rk_field_size(const struct rk_field *field) {
     return field->type == RK_FIELD_F64 ? sizeof(double) : sizeof(uint32_t);
 }

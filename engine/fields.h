@@ -28,7 +28,8 @@ struct rk_field_set {
     size_t length_offset; /* of the length, a size_t, in struct rk_scene */
 };
 
-extern const struct rk_field_set rk_grain_fields, rk_contact_fields, rk_wall_contact_fields;
+extern const struct rk_field_set rk_grain_fields, rk_contact_fields, rk_wall_contact_fields,
+    rk_ledger_fields;
 
 size_t rk_field_size(const struct rk_field *field);
 bool rk_field_present(const struct rk_scene *scene, const struct rk_field *field);

@@ -74,10 +74,29 @@ double rk_verlet_limit(double zeta) {
     return good;
 }
 
-double rk_stable_step(double kn, double gamma, double smallest) {
+/* Stiffness and dashpot of one contact of two of the smallest grains. The viscoelastic law is
+ * stiffer the deeper: an overlap of a tenth of the radius, which no good run exceeds, stands for
+ * all. */
+static void stiffest(const struct rk_contact_spec *contact, double gamma, double smallest,
+                     double *stiffness, double *dashpot) {
+    *stiffness = contact->kn;
+    *dashpot = gamma;
+    if (contact->law == &rk_law_mass_damped.piece) {
+        *dashpot = gamma * 0.5 * smallest;
+    } else if (contact->law == &rk_law_viscoelastic.piece) {
+        double radius = sqrt(smallest);
+        double scale = 0.5 * contact->young * sqrt(0.5 * radius * 0.1 * radius);
+        *stiffness = 1.5 * scale;
+        *dashpot = scale * contact->loss;
+    }
+}
+
+double rk_stable_step(const struct rk_contact_spec *contact, double gamma, double smallest) {
+    double stiffness, dashpot;
+    stiffest(contact, gamma, smallest, &stiffness, &dashpot);
     /* The stiffest motion of a grain among six alike: springs and dashpots add up to 6 of each. */
-    double w = sqrt(6 * kn / smallest);
-    double zeta = 6 * gamma / smallest / (2 * w);
+    double w = sqrt(6 * stiffness / smallest);
+    double zeta = 6 * dashpot / smallest / (2 * w);
     return rk_verlet_limit(zeta) / w;
 }
 
@@ -91,7 +110,7 @@ static enum rk_status nonsense(const struct rk_scene *scene, size_t i, struct rk
                    "dt is %.4g, the largest stable dt is %.4g",
                    rk_scene_time(scene), (unsigned long long)scene->steps, scene->grains.tag[i],
                    scene->grains.x[i], scene->grains.y[i], what, value, limit, spec->dt,
-                   rk_stable_step(spec->contact.kn, spec->gamma, spec->smallest));
+                   rk_stable_step(&spec->contact, spec->gamma, spec->smallest));
 }
 
 static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error *err) {

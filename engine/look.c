@@ -132,26 +132,69 @@ void rk_scene_wall(const struct rk_scene *scene, size_t wall, double displacemen
     }
 }
 
+/* Energy of the normal spring of a contact, and of those that friction and rolling wind up. */
+static double pressed(const struct rk_contact_law *law, const struct rk_coefficients *k,
+                      double overlap, double reduced_radius) {
+    if (law->normal == RK_VISCOELASTIC) {
+        return 0.4 * k->young * sqrt(reduced_radius * overlap) * overlap * overlap;
+    }
+    return 0.5 * k->kn * overlap * overlap;
+}
+
+static double sheared(const struct rk_contact_law *law, const struct rk_coefficients *k,
+                      double reduced_radius, double ft, double moment) {
+    double kt = k->kt_dt, energy = 0; /* the law is made for dt = 1 */
+    if (law->tangent == RK_CUNDALL_STRACK && kt > 0) {
+        energy += 0.5 * ft * ft / kt;
+    }
+    if (law->rolls && kt > 0) {
+        energy += 0.5 * moment * moment / (kt * reduced_radius * reduced_radius);
+    }
+    return energy;
+}
+
+static size_t material_of(const struct rk_grains *g, size_t i) {
+    return g->material ? g->material[i] : 0;
+}
+
+static void add_springs(const struct rk_scene *scene, struct rk_energy *energy) {
+    const struct rk_grains *g = &scene->grains;
+    const struct rk_touching *t = &scene->touching;
+    const struct rk_wall_touching *wt = &scene->wall_touching;
+    struct rk_contact_law law;
+    rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, 1);
+    for (size_t c = 0; c < t->count; c++) {
+        size_t i = t->first[c], j = t->second[c];
+        const struct rk_coefficients *k =
+            &law.of[material_of(g, i) * law.materials + material_of(g, j)];
+        double reach = g->radius[i] + g->radius[j], reduced = g->radius[i] * g->radius[j] / reach;
+        double ft = t->histories > RK_HISTORY_FT ? t->history[RK_HISTORY_FT][c] : 0;
+        double moment = t->histories > RK_HISTORY_MOMENT ? t->history[RK_HISTORY_MOMENT][c] : 0;
+        energy->elastic += pressed(&law, k, reach - sqrt(t->d2[c]), reduced);
+        energy->sheared += sheared(&law, k, reduced, ft, moment);
+    }
+    for (size_t c = 0; c < wt->count; c++) {
+        size_t i = wt->grain[c];
+        const struct rk_coefficients *k =
+            &law.of[material_of(g, i) * law.materials + wt->material[c]];
+        energy->elastic += pressed(&law, k, wt->overlap[c], g->radius[i]);
+        energy->sheared += sheared(&law, k, g->radius[i], wt->history[RK_HISTORY_FT][c],
+                                   wt->history[RK_HISTORY_MOMENT][c]);
+    }
+    energy->elastic += energy->sheared;
+}
+
 struct rk_energy rk_scene_energy(const struct rk_scene *scene) {
     const struct rk_grains *g = &scene->grains;
-    const struct rk_contact_spec *law = &scene->spec.contact;
-    struct rk_energy energy = {0, 0, 0, 0};
+    struct rk_energy energy = {0};
+    add_springs(scene, &energy);
     for (size_t i = 0; i < g->count; i++) {
         energy.kinetic += 0.5 * g->mass[i] * (g->vx[i] * g->vx[i] + g->vy[i] * g->vy[i]);
         energy.gravitational -=
             g->mass[i] * (scene->spec.gravity[0] * g->x[i] + scene->spec.gravity[1] * g->y[i]);
-        if (scene->has[RK_IF_ROTATES]) {
+        if (g->omega) {
             double inertia = 0.5 * g->mass[i] * g->radius[i] * g->radius[i];
             energy.rotational += 0.5 * inertia * g->omega[i] * g->omega[i];
-        }
-    }
-    size_t contacts = rk_scene_contacts(scene);
-    for (size_t c = 0; c < contacts; c++) {
-        struct rk_contact contact;
-        rk_scene_contact(scene, c, &contact);
-        energy.elastic += 0.5 * law->kn * contact.overlap * contact.overlap;
-        if (scene->has[RK_IF_ROTATES] && law->kt > 0) {
-            energy.elastic += 0.5 * contact.ft * contact.ft / law->kt;
         }
     }
     return energy;

@@ -7,6 +7,7 @@
 #include "engine/health.h"
 #include "engine/kernel.h"
 #include "engine/lanes.h"
+#include "engine/ledger.h"
 #include "engine/neighbours.h"
 #include "engine/order.h"
 #include "engine/walls.h"
@@ -81,6 +82,9 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     near->in_cell = rk_array_create(n, sizeof(uint32_t));
     near->row_start = rk_array_create(n + 2, sizeof(uint32_t));
     scene->walls = rk_array_create(scene->spec.walls, sizeof *scene->walls);
+    if (status == RK_OK && scene->has[RK_IF_LEDGER]) {
+        status = rk_ledger_create(scene, err);
+    }
     if (status == RK_OK && (!scene->grains.force || !near->cell_of || !near->in_cell ||
                             !near->row_start || !scene->walls)) {
         status = rk_fail(err, RK_EMEMORY, "no memory for a scene of %zu grains", n);
@@ -96,6 +100,7 @@ static void note_needs(struct rk_scene *scene) {
     scene->has[RK_IF_ROTATES] = contact->friction != &rk_friction_none.piece;
     scene->has[RK_IF_REMEMBERS] = springs || rolls;
     scene->has[RK_IF_ROLLS] = rolls;
+    scene->has[RK_IF_LEDGER] = scene->spec.ledger;
     scene->pairs.histories = rolls ? 2 : springs ? 1 : 0;
     scene->touching.histories = scene->pairs.histories;
 }
@@ -158,6 +163,7 @@ void rk_scene_free(struct rk_scene *scene) {
     rk_fields_free(scene, &rk_grain_fields);
     rk_fields_free(scene, &rk_contact_fields);
     rk_fields_free(scene, &rk_wall_contact_fields);
+    rk_fields_free(scene, &rk_ledger_fields);
     free(scene->grains.force);
     free(scene->index_of);
     free(scene);
@@ -413,6 +419,9 @@ static enum rk_status prime(struct rk_scene *scene, struct rk_error *err) {
         scene->kernel->correct(&scene->grains, 0);
         scene->primed = 1;
     }
+    if (status == RK_OK && scene->has[RK_IF_LEDGER]) {
+        rk_ledger_begin(scene);
+    }
     return status;
 }
 
@@ -463,6 +472,9 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
     kernel->correct(&scene->grains, scene->spec.dt);
     tick(scene, RK_PHASE_MOVE, since);
     scene->steps++;
+    if (scene->has[RK_IF_LEDGER]) {
+        rk_ledger_step(scene);
+    }
     return scene->steps % scene->spec.health.every == 0 ? rk_health_check(scene, err) : RK_OK;
 }
 

@@ -22,6 +22,7 @@ enum rk_need {
     RK_IF_REMEMBERS, /* contacts have a history */
     RK_IF_ROLLS,     /* there is rolling resistance */
     RK_IF_MIXED,     /* there are several materials */
+    RK_IF_LEDGER,    /* energies are accounted for */
     RK_NEEDS
 };
 
@@ -98,6 +99,17 @@ struct rk_wall_touching {
     double *force; /* [capacity][RK_FORCE_WIDTH]: on the wall fx, fy; torque on the grain */
 };
 
+/* The energy ledger's rows, engine/ledger.h. */
+struct rk_ledger_rows {
+    double *work, *damping, *friction, *rolling;
+};
+
+struct rk_ledger_state {
+    size_t count; /* one for each wall there may be, one for pairs and gravity */
+    struct rk_ledger_rows sums, rates;
+    double *start; /* [0]: kinetic, rotational and elastic energy at the beginning */
+};
+
 struct rk_kernel;
 
 struct rk_scene {
@@ -117,6 +129,7 @@ struct rk_scene {
     struct rk_wall *walls;
     size_t wall_count;
     struct rk_wall_touching wall_touching;
+    struct rk_ledger_state ledger;
     uint64_t (*now)(void);
     struct rk_profile profile;
 };

@@ -9,10 +9,10 @@
 #include <string.h>
 
 static const char state_mark[8] = {'R', 'K', 'S', 'T', 'A', 'T', 'E', '1'};
-enum { STATE_SCALARS = 6 }; /* steps, primed, kind, and the lengths of the three sets */
+enum { STATE_SCALARS = 7 }; /* steps, primed, kind, and the lengths of the sets */
 
 static const struct rk_field_set *const kept[] = {&rk_grain_fields, &rk_contact_fields,
-                                                  &rk_wall_contact_fields};
+                                                  &rk_wall_contact_fields, &rk_ledger_fields};
 enum { KEPT = sizeof kept / sizeof *kept };
 
 /* What the scene has, a bit each: a state fits scenes of the same kind only. */
@@ -37,6 +37,7 @@ static void kept_lengths(const struct rk_scene *scene, uint64_t lengths[KEPT]) {
     lengths[0] = scene->grains.count;
     lengths[1] = scene->has[RK_IF_REMEMBERS] ? scene->touching.count : 0;
     lengths[2] = scene->wall_touching.count;
+    lengths[3] = scene->ledger.count;
 }
 
 size_t rk_scene_packed_size(const struct rk_scene *scene) {
@@ -85,7 +86,7 @@ static enum rk_status check_block(const struct rk_scene *scene, const char *bloc
         return damaged(err, "it is of a scene of another kind");
     }
     if (scalars[3] > scene->spec.grains || scalars[4] > UINT32_MAX ||
-        scalars[5] > scalars[3] * scene->wall_count) {
+        scalars[5] > scalars[3] * scene->wall_count || scalars[6] != scene->ledger.count) {
         return damaged(err, "it speaks of more grains or contacts than can be");
     }
     for (size_t s = 0; s < KEPT; s++) {

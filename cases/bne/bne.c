@@ -142,7 +142,7 @@ static struct rk_schedule bne_schedule(const void *params) {
         rk_run_schedule(&bne->run, bne->drive.period, nominal_step(bne, bne->accuracy.step));
     double smallest = smallest_mass(bne);
     schedule.stable_dt =
-        rk_stable_step(bne->contact.kn, rk_contact_gamma(&bne->contact, smallest), smallest);
+        rk_stable_step(&bne->contact, rk_contact_gamma(&bne->contact, smallest), smallest);
     return schedule;
 }
 
@@ -192,7 +192,10 @@ static enum rk_status check_step(const struct rk_bne *bne, const char *subject, 
 
 static enum rk_status bne_check(const void *params, struct rk_error *err) {
     const struct rk_bne *bne = params;
-    enum rk_status status = check_width(bne, err);
+    enum rk_status status = rk_contact_check(&bne->contact, err);
+    if (status == RK_OK) {
+        status = check_width(bne, err);
+    }
     if (status == RK_OK) {
         status =
             rk_run_check(&bne->run, bne->drive.period, nominal_step(bne, bne->accuracy.step), err);

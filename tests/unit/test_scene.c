@@ -44,6 +44,7 @@ static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
         .accuracy = {.neighbour = rk_registry_find(&rk_neighbour_registry, r->neighbours),
                      .skin = r->skin},
         .health = {.overlap = 0.9, .travel = 0.5, .every = 100},
+        .ledger = r->mixed,
         .kernel = r->kernel ? rk_registry_find(&rk_kernel_registry, r->kernel) : NULL,
     };
     struct rk_scene *scene = NULL;

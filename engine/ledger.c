@@ -1,0 +1,172 @@
+#include "engine/ledger.h"
+
+#include "engine/fields.h"
+
+#include <math.h>
+
+enum rk_status rk_ledger_create(struct rk_scene *scene, struct rk_error *err) {
+    scene->ledger.count = scene->spec.walls + 1;
+    return rk_fields_resize(scene, &rk_ledger_fields, scene->ledger.count, err);
+}
+
+/* ---- Rates of one moment ------------------------------------------------------------------------
+ */
+
+/* A contact with the velocities of this moment. */
+struct moment {
+    double fn, ft, roll;
+    double elastic; /* the part of fn that is stored, not lost */
+    double rate, slip, spin;
+};
+
+static double elastic_force(const struct rk_contact_law *law, const struct rk_coefficients *k,
+                            double overlap, double reduced_radius) {
+    if (law->normal == RK_VISCOELASTIC) {
+        return k->young * sqrt(reduced_radius * overlap) * overlap;
+    }
+    return k->kn * overlap;
+}
+
+static void book(struct rk_ledger_rows *rates, size_t row, const struct moment *m) {
+    rates->damping[row] += (m->fn - m->elastic) * m->rate;
+    rates->friction[row] -= m->ft * m->slip;
+    rates->rolling[row] += m->roll * m->spin;
+}
+
+static const struct rk_coefficients *pair_of(const struct rk_contact_law *law, size_t a, size_t b) {
+    return &law->of[a * law->materials + b];
+}
+
+static size_t material_of(const struct rk_grains *g, size_t i) {
+    return g->material ? g->material[i] : 0;
+}
+
+static void book_pairs(const struct rk_scene *scene, const struct rk_contact_law *law,
+                       struct rk_ledger_rows *rates) {
+    const struct rk_touching *t = &scene->touching;
+    const struct rk_grains *g = &scene->grains;
+    size_t row = scene->wall_count;
+    for (size_t c = 0; c < t->count; c++) {
+        size_t i = t->first[c], j = t->second[c];
+        double distance = sqrt(t->d2[c]), nx = t->dx[c] / distance, ny = t->dy[c] / distance;
+        double ux = g->vx[j] - g->vx[i], uy = g->vy[j] - g->vy[i];
+        double reach = g->radius[i] + g->radius[j];
+        const double *force = t->force + RK_FORCE_WIDTH * c;
+        struct moment m = {.fn = force[0] * nx + force[1] * ny,
+                           .ft = force[1] * nx - force[0] * ny,
+                           .rate = -(ux * nx + uy * ny)};
+        m.elastic = elastic_force(law, pair_of(law, material_of(g, i), material_of(g, j)),
+                                  reach - distance, g->radius[i] * g->radius[j] / reach);
+        if (g->omega) {
+            double share = distance / reach;
+            m.slip = uy * nx - ux * ny - g->radius[i] * share * g->omega[i] -
+                     g->radius[j] * share * g->omega[j];
+            m.spin = g->omega[i] - g->omega[j];
+            m.roll = law->rolls ? t->history[RK_HISTORY_MOMENT][c] : 0;
+        }
+        book(rates, row, &m);
+    }
+}
+
+static void book_walls(const struct rk_scene *scene, const struct rk_contact_law *law,
+                       struct rk_ledger_rows *rates) {
+    const struct rk_wall_touching *t = &scene->wall_touching;
+    const struct rk_grains *g = &scene->grains;
+    for (size_t c = 0; c < t->count; c++) {
+        size_t i = t->grain[c], row = t->wall[c];
+        double nx = t->nx[c], ny = t->ny[c];
+        double ux = t->vx[c] - g->vx[i], uy = t->vy[c] - g->vy[i];
+        const double *force = t->force + RK_FORCE_WIDTH * c;
+        struct moment m = {
+            .fn = t->fn[c], .ft = t->history[RK_HISTORY_FT][c], .rate = -(ux * nx + uy * ny)};
+        m.elastic = elastic_force(law, pair_of(law, material_of(g, i), t->material[c]),
+                                  t->overlap[c], g->radius[i]);
+        if (g->omega) {
+            m.slip = uy * nx - ux * ny - g->radius[i] * g->omega[i];
+            m.spin = g->omega[i] - t->omega[c];
+            m.roll = law->rolls ? t->history[RK_HISTORY_MOMENT][c] : 0;
+        }
+        book(rates, row, &m);
+        rates->work[row] -= force[0] * t->vx[c] + force[1] * t->vy[c];
+    }
+}
+
+static void book_gravity(const struct rk_scene *scene, struct rk_ledger_rows *rates) {
+    const struct rk_grains *g = &scene->grains;
+    double px = 0, py = 0;
+    for (size_t i = 0; i < g->count; i++) {
+        px += g->mass[i] * g->vx[i];
+        py += g->mass[i] * g->vy[i];
+    }
+    rates->work[scene->wall_count] += scene->spec.gravity[0] * px + scene->spec.gravity[1] * py;
+}
+
+static void take_rates(struct rk_scene *scene) {
+    struct rk_ledger_rows *rates = &scene->ledger.rates;
+    struct rk_contact_law law;
+    rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, 1);
+    for (size_t row = 0; row < scene->ledger.count; row++) {
+        rates->work[row] = rates->damping[row] = rates->friction[row] = rates->rolling[row] = 0;
+    }
+    book_pairs(scene, &law, rates);
+    book_walls(scene, &law, rates);
+    book_gravity(scene, rates);
+}
+
+/* ---- Sums over time
+ * ------------------------------------------------------------------------------ */
+
+static double present_energy(const struct rk_scene *scene) {
+    struct rk_energy energy = rk_scene_energy(scene);
+    return energy.kinetic + energy.rotational + energy.elastic - energy.sheared;
+}
+
+void rk_ledger_begin(struct rk_scene *scene) {
+    struct rk_ledger_rows *sums = &scene->ledger.sums;
+    for (size_t row = 0; row < scene->ledger.count; row++) {
+        sums->work[row] = sums->damping[row] = sums->friction[row] = sums->rolling[row] = 0;
+    }
+    scene->ledger.start[0] = present_energy(scene);
+    take_rates(scene);
+}
+
+static void add_half_step(struct rk_scene *scene) {
+    struct rk_ledger_rows *sums = &scene->ledger.sums;
+    const struct rk_ledger_rows *rates = &scene->ledger.rates;
+    double half = 0.5 * scene->spec.dt;
+    for (size_t row = 0; row < scene->ledger.count; row++) {
+        sums->work[row] += half * rates->work[row];
+        sums->damping[row] += half * rates->damping[row];
+        sums->friction[row] += half * rates->friction[row];
+        sums->rolling[row] += half * rates->rolling[row];
+    }
+}
+
+void rk_ledger_step(struct rk_scene *scene) {
+    add_half_step(scene); /* with the rates at its beginning */
+    take_rates(scene);
+    add_half_step(scene); /* and at its end */
+}
+
+bool rk_scene_ledger(const struct rk_scene *scene, struct rk_ledger *out) {
+    if (!scene->has[RK_IF_LEDGER] || !scene->primed) {
+        return false;
+    }
+    const struct rk_ledger_rows *sums = &scene->ledger.sums;
+    *out = (struct rk_ledger){.start = scene->ledger.start[0],
+                              .energy = present_energy(scene),
+                              .gravity = sums->work[scene->wall_count]};
+    for (size_t row = 0; row <= scene->wall_count; row++) {
+        out->walls += row < scene->wall_count ? sums->work[row] : 0;
+        out->damping += sums->damping[row];
+        out->friction += sums->friction[row];
+        out->rolling += sums->rolling[row];
+    }
+    out->residual = out->energy - out->start - out->gravity - out->walls + out->damping +
+                    out->friction + out->rolling;
+    return true;
+}
+
+double rk_scene_wall_work(const struct rk_scene *scene, size_t wall) {
+    return scene->has[RK_IF_LEDGER] ? scene->ledger.sums.work[wall] : 0;
+}
