@@ -11,7 +11,8 @@ int main(void) {
         .contact = {.law = rk_registry_find(&rk_law_registry, "linear"),
                     .friction = rk_registry_find(&rk_friction_registry, "none"),
                     .tension = rk_registry_find(&rk_tension_registry, "cut"),
-                    .kn = 1000, .damping = 0.1},
+                    .kn = 1000,
+                    .damping = 0.1},
         .accuracy = {.skin = 0.1},
         .health = {.overlap = 0.5, .travel = 0.1, .every = 100}};
     spec.gamma = rk_contact_gamma(&spec.contact, spec.smallest);
