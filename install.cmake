@@ -1,4 +1,4 @@
-# What `cmake --install` puts where: the command, the libraries with their public headers, a
+# What `cmake --install` puts where: the command and its manual page, the libraries with their public headers, a
 # pkg-config file and a CMake package. Each finds the rest relative to itself, so that an installed
 # tree can be moved.
 include(GNUInstallDirs)
@@ -9,6 +9,7 @@ set(RK_PACKAGE ${CMAKE_INSTALL_LIBDIR}/cmake/SandReckoner)
 set(RK_LIBRARIES rk_ensemble rk_cases rk_engine rk_stats rk_base) # users before what they use
 
 install(TARGETS reckon RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(FILES ${PROJECT_BINARY_DIR}/ensemble/reckon.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(TARGETS ${RK_LIBRARIES} EXPORT SandReckoner
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   INCLUDES DESTINATION ${RK_HEADERS})
