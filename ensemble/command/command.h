@@ -77,6 +77,9 @@ enum rk_status rk_options_read(const struct rk_command *command, int argc, char 
 /* Print the help of a command on stdout. */
 void rk_command_help(const struct rk_command *command);
 
+/* Print the manual page of all commands, in roff, on stdout. */
+void rk_command_man(const struct rk_command *const *commands, size_t count);
+
 /* Print "reckon: where: message" as one line on stderr, whatever bytes the message holds, and
  * return the exit code that goes with its status. */
 int rk_complain(const struct rk_error *err);

@@ -37,7 +37,7 @@ static void print_help(void) {
     for (size_t i = 0; i < COMMANDS; i++) {
         printf("  %-12s %s\n", commands[i]->name, commands[i]->summary);
     }
-    printf("  %-12s %s\n", "help", "this text, or the help of one command");
+    printf("  %-12s %s\n", "help", "this text, that of one command, or a manual page (--man)");
     printf("\n'reckon help COMMAND' says more about one, 'reckon --version' what it is made of.\n"
            "Exit codes: 0 done, 1 failed, 2 usage or bad input, 3 some replicas failed,\n"
            "130 interrupted after a checkpoint.\n\n"
@@ -65,6 +65,10 @@ static int unknown_command(const char *name) {
 static int help(const char *name) {
     if (!name) {
         print_help();
+        return RK_EXIT_DONE;
+    }
+    if (strcmp(name, "--man") == 0) {
+        rk_command_man(commands, COMMANDS);
         return RK_EXIT_DONE;
     }
     const struct rk_command *command = find(name);

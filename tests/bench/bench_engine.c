@@ -8,6 +8,7 @@
  * W = 28, Gamma = 1.5, T = 25000 steps), warm-up of one period, measured over one period. */
 #include "cases/bne/bne.h"
 
+#include <gsl/gsl_math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -73,7 +74,44 @@ static struct options read_options(int argc, char **argv) {
     return o;
 }
 
-/* The scene at time 0, on the kernel asked for (by way of its packed state). */
+/* The same box on another kernel; the state comes from `scene`, packed. */
+static enum rk_status change_kernel(const struct options *o, struct rk_scene **scene,
+                                    struct rk_error *err) {
+    struct rk_scene_spec spec = *rk_scene_spec(*scene);
+    spec.kernel = rk_registry_find(&rk_kernel_registry, o->kernel);
+    if (!spec.kernel) {
+        return rk_fail(err, RK_EINVALID, "no kernel is called '%.32s'", o->kernel);
+    }
+    double w = 2 * M_PI / o->bne.drive.period, width = o->bne.box.width;
+    struct rk_drive_spec drive = {.kind = rk_registry_find(&rk_drive_registry, "sinusoid"),
+                                  .amplitude = o->bne.drive.acceleration / (w * w),
+                                  .period = o->bne.drive.period,
+                                  .direction = {0, 1}};
+    const struct rk_wall_spec walls[] = {
+        {.normal = {0, 1}, .friction = true, .drive = drive},
+        {.normal = {1, 0}, .friction = true, .drive = drive},
+        {.point = {width, 0}, .normal = {-1, 0}, .friction = true, .drive = drive}};
+    struct rk_scene *other = NULL;
+    size_t size = rk_scene_packed_size(*scene);
+    void *block = malloc(size);
+    enum rk_status status = block ? RK_OK : rk_fail(err, RK_EMEMORY, "out of memory");
+    if (status == RK_OK) {
+        rk_scene_pack(*scene, block);
+        status = rk_scene_create(&spec, &other, err);
+    }
+    for (size_t i = 0; status == RK_OK && i < rk_scene_walls(*scene); i++) {
+        status = rk_scene_add_wall(other, &walls[i], err);
+    }
+    if (status == RK_OK) {
+        status = rk_scene_unpack(other, block, size, err);
+    }
+    free(block);
+    rk_scene_free(status ? other : *scene);
+    *scene = status ? *scene : other;
+    return status;
+}
+
+/* The scene at time 0, on the kernel asked for. */
 static enum rk_status make_scene(const struct options *o, struct rk_scene **scene,
                                  struct rk_error *err) {
     struct rk_preparation report = {0};
@@ -87,6 +125,7 @@ static enum rk_status make_scene(const struct options *o, struct rk_scene **scen
         printf("settled in %.0f steps (t = %.1f, kinetic energy a grain %.2e), %.1f CPU-s\n",
                (double)report.steps, report.time, report.kinetic,
                1e-9 * (double)(thread_nanoseconds() - begin));
+        status = o->kernel ? change_kernel(o, scene, err) : RK_OK;
     }
     return status;
 }

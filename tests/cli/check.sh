@@ -7,7 +7,7 @@
 # 0. Lines that begin with "# " before the first command are comments. With --write the case is
 # written anew from what the commands print; read the difference before you believe it.
 set -u
-reckon=$1
+reckon=$(cd "$(dirname "$1")" && pwd)/$(basename "$1")
 case=$(cd "$(dirname "$2")" && pwd)/$(basename "$2")
 here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d) || exit 1
