@@ -46,6 +46,9 @@ enum rk_run_state rk_store_run_state(const char *folder, const struct rk_run *ru
 enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_run *run,
                                       char reason[512]);
 
+/* Finished runs in the folder that the plan does not ask for (any more): more replicas. */
+size_t rk_store_surplus(const char *folder, const struct rk_plan *plan);
+
 /* One observable of one run, as it was recorded: `samples` values at t = 0, interval, 2 interval,
  * ... The data is the caller's, free with free(). */
 struct rk_observable {

@@ -128,8 +128,12 @@ static const char *duration(double seconds, char text[32]) {
         snprintf(text, 32, "%.3g s", seconds);
     } else if (seconds < 7200) {
         snprintf(text, 32, "%.3g min", seconds / 60);
-    } else {
+    } else if (seconds < 3 * 86400.0) {
         snprintf(text, 32, "%.3g h", seconds / 3600);
+    } else if (seconds < 1000 * 86400.0) {
+        snprintf(text, 32, "%.0f days", seconds / 86400);
+    } else {
+        snprintf(text, 32, "%.3g years", seconds / (365.25 * 86400));
     }
     return text;
 }
@@ -151,9 +155,10 @@ static const char *bytes(double n, char text[32]) {
 static void print(const struct outlook *o) {
     const struct rk_study *study = o->study;
     char a[32], b[32];
-    printf("study %s, case %s: %zu point%s x %llu replica%s = %zu runs\n\n", study->name,
+    printf("study %s, case %s: %zu point%s x %llu replica%s = %zu run%s\n\n", study->name,
            study->scene->piece.name, study->point_count, study->point_count == 1 ? "" : "s",
-           (unsigned long long)study->replicas, study->replicas == 1 ? "" : "s", o->runs);
+           (unsigned long long)study->replicas, study->replicas == 1 ? "" : "s", o->runs,
+           o->runs == 1 ? "" : "s");
     printf("%-20s %8s %8s %10s %10s %8s %7s %10s %7s %9s\n", "point", "grains", "periods", "steps",
            "to settle", "samples", "frames", "dt", "of max", "a run");
     for (size_t p = 0; p < study->point_count; p++) {

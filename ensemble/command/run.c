@@ -67,6 +67,11 @@ static void catch_signals(void) {
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    /* A terminal that is closed asks too, unless nohup or a shell has had that ignored. */
+    struct sigaction before;
+    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN) {
+        sigaction(SIGHUP, &action, NULL);
+    }
     signal(SIGXFSZ, SIG_IGN);
 }
 
@@ -128,6 +133,12 @@ static int run_plan(const char *folder, const struct rk_plan *plan, const struct
     catch_signals();
     if (rk_store_open(folder, plan, &store, &err) != RK_OK) {
         return rk_complain(&err);
+    }
+    size_t surplus = rk_store_surplus(folder, plan);
+    if (surplus > 0) {
+        rk_warn("'%s' holds %zu finished run%s beyond the replicas that the study asks for now; "
+                "kept, but not counted",
+                folder, surplus, surplus == 1 ? "" : "s");
     }
     bool shows = !o->quiet && rk_shows_progress();
     struct rk_runner_options runner = {.threads = (int)o->threads,

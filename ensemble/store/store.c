@@ -234,3 +234,22 @@ enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_run *r
 enum rk_run_state rk_store_run_state(const char *folder, const struct rk_run *run) {
     return rk_store_run_reason(folder, run, NULL);
 }
+
+size_t rk_store_surplus(const char *folder, const struct rk_plan *plan) {
+    struct rk_path path;
+    size_t files = 0, mine = 0;
+    DIR *listing = rk_path_set(&path, NULL, "%s/runs", folder) == RK_OK ? opendir(path.text) : NULL;
+    if (!listing) {
+        return 0;
+    }
+    for (struct dirent *entry; (entry = readdir(listing)) != NULL;) {
+        const char *dot = strrchr(entry->d_name, '.');
+        files += dot && strcmp(dot, ".h5") == 0;
+    }
+    closedir(listing);
+    for (size_t i = 0; i < plan->count; i++) {
+        mine += rk_path_of_run(&path, folder, plan->runs[i].id, ".h5", NULL) == RK_OK &&
+                rk_file_exists(path.text);
+    }
+    return files > mine ? files - mine : 0;
+}
