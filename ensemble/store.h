@@ -26,7 +26,9 @@
 struct rk_store;
 
 /* Open the folder of a plan for work: made if it is not there, refused (RK_ECONFLICT) if it holds
- * another plan, or anything that is not a study, or if another program is at work in it. */
+ * another plan, or anything that is not a study, or if another program is at work in it. A plan.h5
+ * that is gone or damaged is written again where runs of the plan prove whose folder it is, and
+ * refused (RK_EFORMAT when damaged) where none does. */
 enum rk_status rk_store_open(const char *folder, const struct rk_plan *plan,
                              struct rk_store **store, struct rk_error *err);
 void rk_store_close(struct rk_store *store);

@@ -194,6 +194,10 @@ static enum rk_status read_folder(const char *folder, const struct rk_study *stu
     if (status == RK_OK && g.done == 0) {
         status = rk_fail(err, RK_EIO, "no run of point '%s' is done yet", study->points[p].name);
     }
+    if (status == RK_OK && g.failed + g.missing > 0) {
+        rk_warn("point '%s': %zu of %zu runs are used, %zu failed, %zu are missing",
+                study->points[p].name, g.done, g.done + g.failed + g.missing, g.failed, g.missing);
+    }
     if (status == RK_OK) {
         struct rk_schedule schedule = study->scene->schedule(study->points[p].params);
         *input = (struct input){
