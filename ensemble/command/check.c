@@ -55,10 +55,12 @@ static size_t columns_of(const struct rk_case *scene) {
 }
 
 /* Bytes of a run's file at most: positions, velocities, angle and angular velocity of every frame
- * as float32 before compression, the observables as float64. */
+ * as float32 before compression, the observables as float64, and what HDF5 needs around them:
+ * chunks that are not full, their indices, attributes. */
 static double file_size(const struct rk_case *scene, const struct forecast *f) {
     double frame = 6.0 * 4.0 * (double)f->grains;
-    return frame * (double)f->frames + 8.0 * (double)columns_of(scene) * (double)f->samples + 65536;
+    double data = frame * (double)f->frames + 8.0 * (double)columns_of(scene) * (double)f->samples;
+    return ceil(1.04 * data) + 80 * 1024;
 }
 
 static void look_at_point(struct outlook *o, size_t p) {
@@ -91,9 +93,11 @@ static void look_at_point(struct outlook *o, size_t p) {
 
 static void look_at_cost(struct outlook *o, const struct check_options *options) {
     size_t costliest = 0, largest = 0;
+    double longest = o->points[0].disk;
     for (size_t p = 1; p < o->study->point_count; p++) {
         costliest = o->points[p].cost > o->points[costliest].cost ? p : costliest;
         largest = o->points[p].grains > o->points[largest].grains ? p : largest;
+        longest = fmax(longest, o->points[p].disk);
     }
     o->speed = (struct rk_speed){NAN, NAN, 0};
     if (!options->quick) {
@@ -109,6 +113,7 @@ static void look_at_cost(struct outlook *o, const struct check_options *options)
     o->wall_seconds =
         fmax(o->core_seconds / o->threads, rounds * (o->core_seconds / (double)o->runs));
     size_t at_once = o->runs < (size_t)o->threads ? o->runs : (size_t)o->threads;
+    o->disk += (double)at_once * longest; /* what a run keeps beside its file until that is done */
     o->memory = (double)at_once * o->speed.bytes_per_grain * (double)o->points[largest].grains;
 }
 
