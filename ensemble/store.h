@@ -26,7 +26,9 @@
 struct rk_store;
 
 /* Open the folder of a plan for work: made if it is not there, refused (RK_ECONFLICT) if it holds
- * another plan, or anything that is not a study, or if another program is at work in it. */
+ * another plan, or anything that is not a study, or if another program is at work in it. A plan.h5
+ * that is gone or damaged is written again where runs of the plan prove whose folder it is, and
+ * refused (RK_EFORMAT when damaged) where none does. */
 enum rk_status rk_store_open(const char *folder, const struct rk_plan *plan,
                              struct rk_store **store, struct rk_error *err);
 void rk_store_close(struct rk_store *store);
@@ -45,6 +47,9 @@ enum rk_run_state { RK_RUN_WAITING, RK_RUN_STARTED, RK_RUN_DONE, RK_RUN_FAILED }
 enum rk_run_state rk_store_run_state(const char *folder, const struct rk_run *run);
 enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_run *run,
                                       char reason[512]);
+
+/* Finished runs in the folder that the plan does not ask for (any more): more replicas. */
+size_t rk_store_surplus(const char *folder, const struct rk_plan *plan);
 
 /* One observable of one run, as it was recorded: `samples` values at t = 0, interval, 2 interval,
  * ... The data is the caller's, free with free(). */

@@ -83,8 +83,7 @@ static const struct rk_param drive_rows[] = {
      .offset = AT(period),
      .unit = "sqrt(d/g)",
      .value = 3.952847075210474,
-     .low = 0,
-     .above_low = true,
+     .low = 1e-6, /* below, the stroke Gamma g (T/2 pi)^2 is lost in the rounding of a position */
      .high = 1e6,
      .doc = "T; the default is 25000 steps of Martins 2021"},
     {.name = "phase",
@@ -190,6 +189,28 @@ static enum rk_status check_step(const struct rk_bne *bne, const char *subject, 
     return RK_OK;
 }
 
+/* As rk_run_check does for the run. */
+static enum rk_status check_settling(const struct rk_bne *bne, struct rk_error *err) {
+    double steps = bne->settle.time / nominal_step(bne, bne->settle.step);
+    if (!(steps < 0x1p53)) {
+        return rk_fail_about(err, RK_EINVALID, "settle.step",
+                             "settle.step: up to %g steps of settling are more than can be "
+                             "counted; lengthen the step or shorten settle.time",
+                             steps);
+    }
+    return RK_OK;
+}
+
+/* Walls hold a bed against any tilt; without them only the plate does. */
+static enum rk_status check_tilt(const struct rk_bne *bne, struct rk_error *err) {
+    if (periodic(bne) && fabs(bne->box.tilt) >= 90) {
+        return rk_fail_about(err, RK_EINVALID, "box.tilt",
+                             "box.tilt: with periodic sides nothing holds grains that fall along "
+                             "the plate; stay below 90 degrees or put walls at the sides");
+    }
+    return RK_OK;
+}
+
 static enum rk_status bne_check(const void *params, struct rk_error *err) {
     const struct rk_bne *bne = params;
     enum rk_status status = rk_contact_check(&bne->contact, err);
@@ -205,6 +226,12 @@ static enum rk_status bne_check(const void *params, struct rk_error *err) {
     }
     if (status == RK_OK) {
         status = check_step(bne, "settle.step", nominal_step(bne, bne->settle.step), err);
+    }
+    if (status == RK_OK) {
+        status = check_settling(bne, err);
+    }
+    if (status == RK_OK) {
+        status = check_tilt(bne, err);
     }
     return status;
 }

@@ -45,6 +45,7 @@ static enum rk_status fill(const char *folder, const struct rk_notice *notice,
                            struct rk_report *report, struct rk_error *err) {
     const struct rk_plan *plan = report->plan;
     enum rk_status status = RK_OK;
+    size_t failed = 0;
     for (size_t p = 0; p < plan->study->point_count && status == RK_OK; p++) {
         struct rk_gathered g;
         status = rk_gather(folder, plan, p, RK_REPORT_OBSERVABLE, notice, &g, err);
@@ -53,12 +54,18 @@ static enum rk_status fill(const char *folder, const struct rk_notice *notice,
                               &report->entries[i].outcomes[p], err);
         }
         report->used += g.done;
+        failed += g.failed;
         rk_gathered_clear(&g);
+    }
+    if (status == RK_OK && report->used == 0 && failed > 0) {
+        return rk_fail(err, RK_EIO,
+                       "no run of this study can be used: %zu of %zu failed; 'reckon status' says "
+                       "why",
+                       failed, plan->count);
     }
     if (status == RK_OK && report->used == 0) {
         return rk_fail(err, RK_EIO,
-                       "no run of this study is done yet; 'reckon run' carries them "
-                       "out");
+                       "no run of this study is done yet; 'reckon run' carries them out");
     }
     return status;
 }

@@ -55,10 +55,12 @@ static size_t columns_of(const struct rk_case *scene) {
 }
 
 /* Bytes of a run's file at most: positions, velocities, angle and angular velocity of every frame
- * as float32 before compression, the observables as float64. */
+ * as float32 before compression, the observables as float64, and what HDF5 needs around them:
+ * chunks that are not full, their indices, attributes. */
 static double file_size(const struct rk_case *scene, const struct forecast *f) {
     double frame = 6.0 * 4.0 * (double)f->grains;
-    return frame * (double)f->frames + 8.0 * (double)columns_of(scene) * (double)f->samples + 65536;
+    double data = frame * (double)f->frames + 8.0 * (double)columns_of(scene) * (double)f->samples;
+    return ceil(1.04 * data) + 80 * 1024;
 }
 
 static void look_at_point(struct outlook *o, size_t p) {
@@ -91,9 +93,11 @@ static void look_at_point(struct outlook *o, size_t p) {
 
 static void look_at_cost(struct outlook *o, const struct check_options *options) {
     size_t costliest = 0, largest = 0;
+    double longest = o->points[0].disk;
     for (size_t p = 1; p < o->study->point_count; p++) {
         costliest = o->points[p].cost > o->points[costliest].cost ? p : costliest;
         largest = o->points[p].grains > o->points[largest].grains ? p : largest;
+        longest = fmax(longest, o->points[p].disk);
     }
     o->speed = (struct rk_speed){NAN, NAN, 0};
     if (!options->quick) {
@@ -109,6 +113,7 @@ static void look_at_cost(struct outlook *o, const struct check_options *options)
     o->wall_seconds =
         fmax(o->core_seconds / o->threads, rounds * (o->core_seconds / (double)o->runs));
     size_t at_once = o->runs < (size_t)o->threads ? o->runs : (size_t)o->threads;
+    o->disk += (double)at_once * longest; /* what a run keeps beside its file until that is done */
     o->memory = (double)at_once * o->speed.bytes_per_grain * (double)o->points[largest].grains;
 }
 
@@ -128,8 +133,12 @@ static const char *duration(double seconds, char text[32]) {
         snprintf(text, 32, "%.3g s", seconds);
     } else if (seconds < 7200) {
         snprintf(text, 32, "%.3g min", seconds / 60);
-    } else {
+    } else if (seconds < 3 * 86400.0) {
         snprintf(text, 32, "%.3g h", seconds / 3600);
+    } else if (seconds < 1000 * 86400.0) {
+        snprintf(text, 32, "%.0f days", seconds / 86400);
+    } else {
+        snprintf(text, 32, "%.3g years", seconds / (365.25 * 86400));
     }
     return text;
 }
@@ -151,9 +160,10 @@ static const char *bytes(double n, char text[32]) {
 static void print(const struct outlook *o) {
     const struct rk_study *study = o->study;
     char a[32], b[32];
-    printf("study %s, case %s: %zu point%s x %llu replica%s = %zu runs\n\n", study->name,
+    printf("study %s, case %s: %zu point%s x %llu replica%s = %zu run%s\n\n", study->name,
            study->scene->piece.name, study->point_count, study->point_count == 1 ? "" : "s",
-           (unsigned long long)study->replicas, study->replicas == 1 ? "" : "s", o->runs);
+           (unsigned long long)study->replicas, study->replicas == 1 ? "" : "s", o->runs,
+           o->runs == 1 ? "" : "s");
     printf("%-20s %8s %8s %10s %10s %8s %7s %10s %7s %9s\n", "point", "grains", "periods", "steps",
            "to settle", "samples", "frames", "dt", "of max", "a run");
     for (size_t p = 0; p < study->point_count; p++) {

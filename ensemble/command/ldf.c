@@ -6,6 +6,7 @@
 #include "ensemble/command/command.h"
 #include "ensemble/input/dataset.h"
 #include "ensemble/input/table.h"
+#include "ensemble/store/files.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -46,6 +47,51 @@ static const char *dataset_in(const char *operand) {
     return found && stat(operand, &about) != 0 ? found : NULL;
 }
 
+/* An option that would be passed over is a misunderstanding, not a wish. */
+static enum rk_status check_options(const struct ldf_options *o, bool folder,
+                                    struct rk_error *err) {
+    if (o->json && o->csv) {
+        return rk_fail(err, RK_EINVALID, "--json and --csv: choose one of them");
+    }
+    if (folder && (o->column || o->replica)) {
+        return rk_fail(err, RK_EINVALID, "--column and --replica are for CSV files");
+    }
+    if (folder && o->interval != 1) {
+        return rk_fail(err, RK_EINVALID, "--interval is for files: a study knows its own");
+    }
+    if (!folder && (o->point || strcmp(o->observable, RK_REPORT_OBSERVABLE) != 0)) {
+        return rk_fail(err, RK_EINVALID, "--point and --observable are for the folder of a study");
+    }
+    return RK_OK;
+}
+
+static bool same_file(const char *a, const char *b) {
+    struct stat first, second;
+    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
+           first.st_ino == second.st_ino;
+}
+
+/* What is written beside a picture must not take the place of the data it is made from. */
+static enum rk_status spare_data(const char *operand, const char *plot, struct rk_error *err) {
+    static const char *const endings[] = {"csv", "gp", "png"};
+    const char *dot = strrchr(plot, '.');
+    for (size_t i = 0; dot && i < sizeof endings / sizeof *endings; i++) {
+        struct rk_path beside;
+        enum rk_status status =
+            rk_path_set(&beside, err, "%.*s%s", (int)(dot + 1 - plot), plot, endings[i]);
+        if (status != RK_OK) {
+            return status;
+        }
+        if (same_file(operand, beside.text)) {
+            return rk_fail(err, RK_EINVALID,
+                           "--plot %.200s would write over the data in '%.200s'; choose another "
+                           "name",
+                           plot, operand);
+        }
+    }
+    return RK_OK;
+}
+
 static enum rk_status read_file(const char *operand, const struct ldf_options *o,
                                 struct input *input, struct rk_error *err) {
     const char *path = dataset_in(operand);
@@ -54,6 +100,9 @@ static enum rk_status read_file(const char *operand, const struct ldf_options *o
                             .scale = 1,
                             .units = {"", "", "", ""},
                             .stream = rk_stream_of(o->seed, 0, 0, RK_FOR_BOOTSTRAP, 0)};
+    if (!path && strstr(operand, ".h5:")) {
+        return rk_fail(err, RK_EINVALID, "%.200s: the name of a dataset begins with '/'", operand);
+    }
     if (!path) {
         const struct rk_table_request request = {o->column, o->replica, 0};
         return rk_table_read(operand, &request, &input->samples, err);
@@ -145,6 +194,10 @@ static enum rk_status read_folder(const char *folder, const struct rk_study *stu
     if (status == RK_OK && g.done == 0) {
         status = rk_fail(err, RK_EIO, "no run of point '%s' is done yet", study->points[p].name);
     }
+    if (status == RK_OK && g.failed + g.missing > 0) {
+        rk_warn("point '%s': %zu of %zu runs are used, %zu failed, %zu are missing",
+                study->points[p].name, g.done, g.done + g.failed + g.missing, g.failed, g.missing);
+    }
     if (status == RK_OK) {
         struct rk_schedule schedule = study->scene->schedule(study->points[p].params);
         *input = (struct input){
@@ -214,12 +267,15 @@ static int analyse(const char *operand, const struct ldf_options *o, struct inpu
     int code = RK_EXIT_DONE;
     rk_result_init(&result);
     enum rk_status status = estimate(o, input, &result, &err);
+    bool worth_printing = status == RK_OK;
     if (status == RK_OK && o->plot) {
         status = rk_ldf_plot(&result, o->plot, &err);
+        worth_printing = status != RK_EINVALID; /* the numbers are there without the picture */
     }
-    if (status == RK_OK) {
+    if (worth_printing) {
         print(o, input, &result);
-    } else {
+    }
+    if (status != RK_OK) {
         rk_error_locate(&err, "%s", operand);
         code = rk_complain(&err);
     }
@@ -235,6 +291,10 @@ static int ldf(const void *options, size_t count, char *const *operands) {
     struct input input = {0};
     struct rk_study *study = NULL;
     enum rk_status status;
+    if (check_options(o, is_folder(operand), &err) != RK_OK ||
+        (o->plot && spare_data(operand, o->plot, &err) != RK_OK)) {
+        return rk_complain(&err);
+    }
     if (is_folder(operand)) {
         int code = rk_command_load_folder(operand, &study);
         if (code != RK_EXIT_DONE) {

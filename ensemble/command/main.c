@@ -3,12 +3,14 @@
 #include "ensemble/command/command.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_version.h>
 #include <hdf5.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include <xxhash.h>
 #include <yaml.h>
 
@@ -127,7 +129,20 @@ static int flush_results(int code) {
     return code == RK_EXIT_DONE ? failed : code;
 }
 
+/* A standard stream that came closed would be the number of the next file that is opened, and what
+ * is said would be written into a result. What holds its place fails as the closed one would. */
+static void hold_standard_streams(void) {
+    for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; stream++) {
+        if (fcntl(stream, F_GETFD) < 0 && errno == EBADF) {
+            /* Kept open to the end; it gets the lowest number that is free, which is this one. */
+            int held = open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+            (void)held;
+        }
+    }
+}
+
 int main(int argc, char **argv) {
+    hold_standard_streams();
     /* The libraries report errors through their return values; nobody else should talk. */
     gsl_set_error_handler_off();
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);

@@ -46,8 +46,10 @@ void rk_warn(const char *format, ...) {
     print_line("warning: ", text);
 }
 
+/* A line that is drawn over itself needs a terminal that can do that. */
 bool rk_shows_progress(void) {
-    return isatty(STDERR_FILENO) == 1;
+    const char *terminal = getenv("TERM");
+    return isatty(STDERR_FILENO) == 1 && terminal && strcmp(terminal, "dumb") != 0;
 }
 
 bool rk_shows_colour(void) {

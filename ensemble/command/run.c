@@ -5,6 +5,7 @@
 #include "ensemble/store.h"
 
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -49,13 +50,15 @@ static const struct rk_option options[] = {
      .doc = "no progress and no summary, only what goes wrong"},
 };
 
-/* Signals reach a program through a global or not at all. */
-static volatile sig_atomic_t stop_wanted;
+/* Signals reach a program through a global or not at all. An atomic one, since the handler may run
+ * in any thread and all of them ask; a handler may use it as it has no lock. */
+static atomic_int stop_wanted;
+_Static_assert(ATOMIC_INT_LOCK_FREE == 2, "a signal handler needs an atomic without a lock");
 
 static void on_signal(int number) {
     (void)number;
     static const char text[] = "\nstopping: what runs is being kept (once more to end at once)\n";
-    stop_wanted = 1;
+    atomic_store(&stop_wanted, 1);
     ssize_t ignored = write(STDERR_FILENO, text, sizeof text - 1);
     (void)ignored;
 }
@@ -67,12 +70,17 @@ static void catch_signals(void) {
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    /* A terminal that is closed asks too, unless nohup or a shell has had that ignored. */
+    struct sigaction before;
+    if (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN) {
+        sigaction(SIGHUP, &action, NULL);
+    }
     signal(SIGXFSZ, SIG_IGN);
 }
 
 static bool stop(void *context) {
     (void)context;
-    return stop_wanted != 0;
+    return atomic_load(&stop_wanted) != 0;
 }
 
 /* `context` is a bool: is there a progress line? */
@@ -128,6 +136,12 @@ static int run_plan(const char *folder, const struct rk_plan *plan, const struct
     catch_signals();
     if (rk_store_open(folder, plan, &store, &err) != RK_OK) {
         return rk_complain(&err);
+    }
+    size_t surplus = rk_store_surplus(folder, plan);
+    if (surplus > 0) {
+        rk_warn("'%s' holds %zu finished run%s beyond the replicas that the study asks for now; "
+                "kept, but not counted",
+                folder, surplus, surplus == 1 ? "" : "s");
     }
     bool shows = !o->quiet && rk_shows_progress();
     struct rk_runner_options runner = {.threads = (int)o->threads,

@@ -1,6 +1,7 @@
 #include "ensemble/input/table.h"
 
 #include "ensemble/analysis/number.h"
+#include "ensemble/input/slurp.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -8,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 struct row {
     double value, replica;
@@ -86,8 +86,8 @@ static char separator_of(const char *line) {
 }
 
 /* End the field that begins at `text` (after blanks) and strip quotes; returns what follows it,
- * NULL after the last. An unclosed quote sets *broken. */
-static char *cut(char *text, char separator, struct field *field, bool *broken) {
+ * NULL after the last. A quote that does not enclose the whole field sets *broken. */
+static char *cut(char *text, char separator, struct field *field, const char **broken) {
     char *start = text + strspn(text, separator == '\t' ? " " : " \t");
     char *end;
     field->text = start;
@@ -97,12 +97,20 @@ static char *cut(char *text, char separator, struct field *field, bool *broken) 
             end += *end == '"';
             *to++ = *end;
         }
-        *broken = *end != '"';
-        end += *end == '"';
-        end += strcspn(end, (char[]){separator, '\0'});
-        char last = *end;
-        *to = '\0';
-        return last == '\0' ? NULL : end + 1;
+        if (*end != '"') {
+            *broken = "a quote is not closed in its line";
+            return NULL;
+        }
+        *to = '\0'; /* not beyond the quote that closes the field */
+        end++;
+        char *next = end + strspn(end, separator == '\t' ? " " : " \t");
+        if (*next != '\0' && (separator == ' ' ? next == end : *next != separator)) {
+            *broken = "text after the quote that closes a field";
+        }
+        if (*next == '\0') {
+            return NULL;
+        }
+        return separator == ' ' ? next : next + 1;
     }
     end = start +
           (separator == ' ' ? strcspn(start, " \t") : strcspn(start, (char[]){separator, '\0'}));
@@ -122,7 +130,7 @@ static enum rk_status split(struct reader *r, struct field *fields, size_t *coun
     char *rest = r->line;
     *count = 0;
     while (rest) {
-        bool broken = false;
+        const char *broken = NULL;
         if (*count == RK_TABLE_FIELDS) {
             return wrong(r, 1, "more than %d columns", RK_TABLE_FIELDS);
         }
@@ -130,7 +138,7 @@ static enum rk_status split(struct reader *r, struct field *fields, size_t *coun
         char *next = cut(rest, r->separator, field, &broken);
         field->column = (size_t)(field->text - r->line) + 1;
         if (broken) {
-            return wrong(r, field->column, "a quote is not closed in its line");
+            return wrong(r, field->column, "%s", broken);
         }
         rest = next;
     }
@@ -159,11 +167,17 @@ static enum rk_status choose(struct reader *r, const char *wanted, bool header,
         return wrong(r, 1, "%zu columns%s%s; say which one, by name or number", count,
                      header ? ": " : "", header ? names : "");
     }
-    for (size_t i = 0; header && i < count; i++) {
-        if (strcmp(fields[i].text, wanted) == 0) {
-            *index = i;
-            return RK_OK;
+    size_t found = 0;
+    for (size_t i = count; header && i > 0; i--) {
+        if (strcmp(fields[i - 1].text, wanted) == 0) {
+            *index = i - 1;
+            found++;
         }
+    }
+    if (found > 0) {
+        return found == 1 ? RK_OK
+                          : wrong(r, 1, "%zu columns are called '%.64s'; give the number of one",
+                                  found, wanted);
     }
     char *end;
     unsigned long long number = strtoull(wanted, &end, 10);
@@ -171,8 +185,8 @@ static enum rk_status choose(struct reader *r, const char *wanted, bool header,
         *index = (size_t)number - 1;
         return RK_OK;
     }
-    return wrong(r, 1, "there is no column '%.64s'; %zu columns%s%s", wanted, count,
-                 header ? ": " : " without names", header ? names : "");
+    return wrong(r, 1, "there is no column '%.64s'; %zu column%s%s%s", wanted, count,
+                 count == 1 ? "" : "s", header ? ": " : " without names", header ? names : "");
 }
 
 static bool looks_numeric(const char *text) {
@@ -204,7 +218,10 @@ static enum rk_status take_number(struct reader *r, const struct field *fields, 
         return wrong(r, 1, "the row ends after %zu of at least %zu columns", count, index + 1);
     }
     if (!rk_number_read(fields[index].text, x)) {
-        return wrong(r, fields[index].column, "'%.40s' is not a finite number", fields[index].text);
+        const char *text = fields[index].text;
+        bool comma = strspn(text, "+-0123456789,eE") == strlen(text) && strchr(text, ',');
+        return wrong(r, fields[index].column, "'%.40s' is not a finite number%s", text,
+                     comma ? ": decimals follow a point, not a comma" : "");
     }
     return RK_OK;
 }
@@ -243,6 +260,10 @@ static enum rk_status read_rows(struct reader *r, struct field *fields) {
         size_t count;
         if (r->number == 1 && strncmp(r->line, "\xef\xbb\xbf", 3) == 0) {
             memmove(r->line, r->line + 3, strlen(r->line) - 2);
+        }
+        if (r->number == 1 && strncmp(r->line, "\x89HDF", 4) == 0) {
+            return wrong(r, 1, "this is an HDF5 file; say which dataset of it: '%.200s:/DATASET'",
+                         r->path);
         }
         size_t blank = strspn(r->line, " \t");
         if (r->line[blank] == '#' || r->line[blank] == '\0') {
@@ -333,26 +354,11 @@ static enum rk_status arrange(struct reader *r, struct rk_samples *out) {
     return RK_OK;
 }
 
-static enum rk_status open_file(struct reader *r) {
-    struct stat about;
-    r->file = fopen(r->path, "rbe");
-    if (!r->file) {
-        rk_fail(r->err, RK_EIO, "%s%s", errno == ENOENT ? "" : "cannot be opened: ",
-                errno == ENOENT ? "there is no such file" : strerror(errno));
-    } else if (fstat(fileno(r->file), &about) == 0 && S_ISDIR(about.st_mode)) {
-        rk_fail(r->err, RK_EIO, "is a folder; a file is expected");
-    } else {
-        return RK_OK;
-    }
-    rk_error_locate(r->err, "%s", r->path);
-    return RK_EIO;
-}
-
 enum rk_status rk_table_read(const char *path, const struct rk_table_request *request,
                              struct rk_samples *out, struct rk_error *err) {
     struct reader r = {.path = path, .request = request, .err = err};
     *out = (struct rk_samples){0};
-    enum rk_status status = open_file(&r);
+    enum rk_status status = rk_input_open(path, &r.file, err);
     if (status == RK_OK) {
         r.line = malloc(RK_TABLE_LINE + 1);
         struct field *fields = malloc(RK_TABLE_FIELDS * sizeof *fields);

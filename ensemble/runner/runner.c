@@ -13,20 +13,26 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* One bad file stops no other run, but where so many in a row meet an error the disk is full or
+ * gone, and the rest would settle their beds for nothing. */
+enum { TROUBLES_MAX = 3 };
+
 /* Seconds between two calls of the progress function. */
 static const double progress_every = 1;
 
-/* What the threads of one call share; all but the atomic is guarded by the mutex. */
+/* What the threads of one call share; all but the atomics is guarded by the mutex. */
 struct crew {
     const struct rk_plan *plan;
     const char *folder;
     const struct rk_runner_options *options;
     uint8_t *states; /* an enum rk_run_state a run of the plan; each written by one thread */
     atomic_bool stopped;
+    atomic_bool broken; /* no run is begun any more */
     pthread_mutex_t mutex;
     struct rk_progress progress;
     double start, last;
     struct rk_error first; /* that kept a run from being carried out */
+    int troubles;          /* runs in a row that met an error of the disk */
 };
 
 /* ---- What a run asks and tells ---- */
@@ -176,6 +182,10 @@ static void note_error(struct crew *crew, const struct rk_run *run, const struct
     if (crew->first.status == RK_OK) {
         crew->first = *why;
     }
+    crew->troubles += why->status == RK_EIO;
+    if (crew->troubles >= TROUBLES_MAX) {
+        atomic_store(&crew->broken, true);
+    }
     pthread_mutex_unlock(&crew->mutex);
 }
 
@@ -197,6 +207,7 @@ static void carry_out(struct crew *crew, size_t i) {
     crew->progress.running--;
     if (status == RK_OK) {
         crew->states[i] = failed ? RK_RUN_FAILED : RK_RUN_DONE;
+        crew->troubles = 0;
         crew->progress.done += !failed;
         crew->progress.failed += failed;
     }
@@ -207,18 +218,24 @@ static void carry_out(struct crew *crew, size_t i) {
     }
 }
 
+/* No more threads than runs: those would only be made and ended again. */
+static int threads_for(size_t runs, int threads) {
+    return runs > 0 && runs < (size_t)threads ? (int)runs : threads;
+}
+
 static enum rk_status work(struct crew *crew, int threads, struct rk_error *err) {
     size_t *order = malloc((crew->plan->count + 1) * sizeof *order);
     if (!order) {
         return rk_fail(err, RK_EMEMORY, "not enough memory for %zu runs", crew->plan->count);
     }
     size_t count = missing_runs(crew, order);
+    threads = threads_for(count, threads);
     crew->start = rk_clock();
     tell(crew, true);
-    /* A stop request passes over the runs that have not begun. */
+    /* A stop request or a broken disk passes over the runs that have not begun. */
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
     for (size_t i = 0; i < count; i++) {
-        if (!stop(crew)) {
+        if (!stop(crew) && !atomic_load(&crew->broken)) {
             carry_out(crew, order[i]);
         }
     }

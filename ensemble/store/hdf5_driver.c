@@ -174,10 +174,12 @@ static const H5FD_class_t driver = {
     .fl_map = H5FD_FLMAP_DICHOTOMY,
 };
 
-bool rk_h5_driver_set(hid_t access, int *failure) {
+hid_t rk_h5_driver_set(hid_t access, int *failure) {
     hid_t id = H5FDregister(&driver);
     struct driver_info info = {failure};
-    bool fine = id >= 0 && H5Pset_driver(access, id, &info) >= 0;
-    H5FDunregister(id); /* the list and the file hold it from here on */
-    return fine;
+    if (id >= 0 && H5Pset_driver(access, id, &info) < 0) {
+        H5FDunregister(id);
+        id = H5I_INVALID_HID;
+    }
+    return id;
 }

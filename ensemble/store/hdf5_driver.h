@@ -10,10 +10,11 @@
 #define RK_ENSEMBLE_STORE_HDF5_DRIVER_H
 
 #include <hdf5.h>
-#include <stdbool.h>
 
 /* Set the driver in an access property list. *failure gets the errno of the first failed write; it
- * must be 0 and live until the file is closed. */
-bool rk_h5_driver_set(hid_t access, int *failure);
+ * must be 0 and live until the file is closed. Returns the driver (or an invalid id), for the
+ * caller to give back with H5FDunregister once the file is closed and not before: a file that
+ * holds the last reference frees the driver and then calls it (H5FD_close of HDF5 1.10). */
+hid_t rk_h5_driver_set(hid_t access, int *failure);
 
 #endif

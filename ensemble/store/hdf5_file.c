@@ -95,7 +95,11 @@ hid_t rk_h5_properties(hid_t class_id) {
 }
 
 static void start(struct rk_h5 *h5, const char *path, struct rk_error *err) {
-    *h5 = (struct rk_h5){.file = H5I_INVALID_HID, .path = path, .status = RK_OK, .err = err};
+    *h5 = (struct rk_h5){.file = H5I_INVALID_HID,
+                         .driver = H5I_INVALID_HID,
+                         .path = path,
+                         .status = RK_OK,
+                         .err = err};
 }
 
 void rk_h5_create(struct rk_h5 *h5, const char *path, size_t user_block, enum rk_h5_format format,
@@ -106,7 +110,7 @@ void rk_h5_create(struct rk_h5 *h5, const char *path, size_t user_block, enum rk
     hid_t access = rk_h5_properties(H5P_FILE_ACCESS);
     if (creation < 0 || access < 0 || H5Pset_userblock(creation, user_block) < 0 ||
         H5Pset_libver_bounds(access, version, version) < 0 ||
-        !rk_h5_driver_set(access, &h5->failure) ||
+        (h5->driver = rk_h5_driver_set(access, &h5->failure)) < 0 ||
         H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) < 0 ||
         (h5->file = H5Fcreate(path, H5F_ACC_TRUNC, creation, access)) < 0) {
         rk_h5_fail(h5, "create", "/");
@@ -134,6 +138,10 @@ enum rk_status rk_h5_close(struct rk_h5 *h5) {
             rk_h5_fail(h5, "close", "/");
         }
         h5->file = H5I_INVALID_HID;
+    }
+    if (h5->driver >= 0) {
+        H5FDunregister(h5->driver);
+        h5->driver = H5I_INVALID_HID;
     }
     rk_h5_check(h5);
     return h5->status;

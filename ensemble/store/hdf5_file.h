@@ -35,6 +35,7 @@ hid_t rk_h5_memory_type(enum rk_h5_type type);
 
 struct rk_h5 {
     hid_t file;
+    hid_t driver;     /* of a file being written, held until that is closed */
     const char *path; /* for messages; must outlive the struct */
     enum rk_status status;
     struct rk_error *err;

@@ -77,7 +77,7 @@ enum rk_status rk_plan_file_match(const char *folder, const struct rk_plan *plan
     struct rk_error why = RK_NO_ERROR;
     status = rk_seal_read(path.text, &found, &why);
     if (status == RK_EFORMAT) {
-        return rk_fail(err, RK_ECONFLICT,
+        return rk_fail(err, RK_EFORMAT,
                        "'%.200s' cannot be recognised as this study's folder: %.200s; choose "
                        "another folder with -o",
                        folder, why.message);

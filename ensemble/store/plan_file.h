@@ -10,7 +10,7 @@ enum rk_status rk_plan_file_write(const char *folder, const struct rk_plan *plan
                                   struct rk_error *err);
 
 /* Does the folder's plan.h5 carry the identity of this plan? RK_OK when it does; RK_ECONFLICT, in
- * words, when it is another's or damaged. */
+ * words, when it is another's, RK_EFORMAT when it is damaged, RK_EIO when it is not there. */
 enum rk_status rk_plan_file_match(const char *folder, const struct rk_plan *plan,
                                   struct rk_error *err);
 

@@ -120,6 +120,21 @@ static enum rk_status only_beginnings(const char *folder, struct rk_error *err) 
     return status;
 }
 
+/* Is there a run of the plan, though plan.h5 is gone or damaged? One bad file must not shut out the
+ * results beside it: it can be written again. */
+static bool holds_runs_of(const char *folder, const struct rk_plan *plan) {
+    bool found = false;
+    for (size_t i = 0; i < plan->count && !found; i++) {
+        struct rk_path path;
+        struct rk_seal seal;
+        struct rk_origin mine = rk_origin_of(plan, &plan->runs[i]);
+        found = rk_path_of_run(&path, folder, plan->runs[i].id, ".h5", NULL) == RK_OK &&
+                rk_seal_read(path.text, &seal, NULL) == RK_OK &&
+                memcmp(&seal.origin, &mine, sizeof mine) == 0;
+    }
+    return found;
+}
+
 /* Nothing is written here: a folder that is refused stays as it was. */
 static enum rk_status inspect(const char *folder, const struct rk_plan *plan,
                               struct rk_error *err) {
@@ -136,8 +151,10 @@ static enum rk_status inspect(const char *folder, const struct rk_plan *plan,
     if (status != RK_OK) {
         return status;
     }
-    return rk_file_exists(path.text) ? rk_plan_file_match(folder, plan, err)
-                                     : only_beginnings(folder, err);
+    bool there = rk_file_exists(path.text);
+    status = there ? rk_plan_file_match(folder, plan, err) : only_beginnings(folder, err);
+    bool lost = !there || status == RK_EFORMAT;
+    return status != RK_OK && lost && holds_runs_of(folder, plan) ? RK_OK : status;
 }
 
 static enum rk_status write_study(const char *folder, const struct rk_study *study,
@@ -233,4 +250,23 @@ enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_run *r
 
 enum rk_run_state rk_store_run_state(const char *folder, const struct rk_run *run) {
     return rk_store_run_reason(folder, run, NULL);
+}
+
+size_t rk_store_surplus(const char *folder, const struct rk_plan *plan) {
+    struct rk_path path;
+    size_t files = 0, mine = 0;
+    DIR *listing = rk_path_set(&path, NULL, "%s/runs", folder) == RK_OK ? opendir(path.text) : NULL;
+    if (!listing) {
+        return 0;
+    }
+    for (struct dirent *entry; (entry = readdir(listing)) != NULL;) {
+        const char *dot = strrchr(entry->d_name, '.');
+        files += dot && strcmp(dot, ".h5") == 0;
+    }
+    closedir(listing);
+    for (size_t i = 0; i < plan->count; i++) {
+        mine += rk_path_of_run(&path, folder, plan->runs[i].id, ".h5", NULL) == RK_OK &&
+                rk_file_exists(path.text);
+    }
+    return files > mine ? files - mine : 0;
 }

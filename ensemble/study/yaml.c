@@ -233,6 +233,11 @@ static enum rk_status syntax_error(struct builder *b, const yaml_parser_t *parse
 
 static enum rk_status build(struct builder *b, const unsigned char *bytes, size_t size) {
     yaml_parser_t parser;
+    /* libyaml takes a byte order mark for text once it is told the encoding. */
+    if (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0) {
+        bytes += 3;
+        size -= 3;
+    }
     if (!yaml_parser_initialize(&parser)) {
         return rk_fail(b->err, RK_EMEMORY, "out of memory");
     }

@@ -87,7 +87,7 @@ def stopped_on_request(work, reference):
             command(folder, "--threads", "2", "--quiet"), stderr=subprocess.PIPE, text=True
         )
         time.sleep(0.05 + 0.03 * stops)
-        process.send_signal(signal.SIGINT if stops % 2 == 0 else signal.SIGTERM)
+        process.send_signal((signal.SIGINT, signal.SIGTERM, signal.SIGHUP)[stops % 3])
         asked = time.monotonic()
         said = process.communicate()[1]
         if process.returncode == 0:

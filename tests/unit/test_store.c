@@ -153,7 +153,7 @@ static void another_studys_folder_is_refused(void **state) {
     plan_again(f);
     refuse(f, "out", RK_ECONFLICT, "other parameters, seed or case");
     scratch_write(scratch_path(f->folder, "out/plan.h5"), "no plan", 7);
-    refuse(f, "out", RK_ECONFLICT, "damaged");
+    refuse(f, "out", RK_EFORMAT, "damaged");
 }
 
 static void an_unwritable_folder_is_refused(void **state) {

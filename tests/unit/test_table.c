@@ -90,6 +90,11 @@ static const struct wrong wrongs[] = {
     {"1\n1,5\n", NULL, NULL, ":2:1", "finite"},
     {"0,1\n0,\n", "2", NULL, ":2:3", "finite"},
     {"a,b\n1,\"2\n", "1", NULL, ":2:4", "quote"},
+    {"a,b\n1,\"2\"3\n", "1", NULL, ":2:4", "after the quote"},
+    {"\"a\"b c\n1 2\n", "1", NULL, ":1:2", "after the quote"},
+    {"a;b\n1;2,5\n", "b", NULL, ":2:3", "point, not a comma"},
+    {"a,b,a\n1,2,3\n", "a", NULL, ":1:1", "2 columns are called 'a'"},
+    {"\x89HDF\r\n", NULL, NULL, ":1:1", "HDF5"},
 };
 
 static void wrong_tables(void **state) {
