@@ -86,7 +86,8 @@ struct rk_scene_spec {
     struct rk_contact_spec contact;
     struct rk_accuracy_spec accuracy;
     struct rk_health_spec health;
-    bool ledger; /* account for energies, see rk_scene_ledger */
+    bool ledger;    /* account for energies, see rk_scene_ledger */
+    size_t threads; /* of this one scene; 0 and 1: the caller's own. The bytes are the same */
     const struct rk_piece
         *kernel; /* out of rk_kernel_registry; NULL: the fastest of this machine */
 };
@@ -266,7 +267,7 @@ enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t
 enum rk_phase {
     RK_PHASE_MOVE,       /* predict and correct */
     RK_PHASE_NEIGHBOURS, /* renewing the list */
-    RK_PHASE_TOUCH,      /* which pairs touch */
+    RK_PHASE_TOUCH,      /* which pairs touch (with several threads counted as push) */
     RK_PHASE_PUSH,       /* their forces, summed into the grains */
     RK_PHASE_WALLS,
     RK_PHASE_COUNT

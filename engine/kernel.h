@@ -24,24 +24,33 @@ struct rk_kernel {
     struct rk_piece piece;
     bool (*usable)(void); /* on this processor */
 
-    /* Predict all grains; the bounds of this step's moves are added to `moved`. */
-    void (*predict)(struct rk_grains *grains, double dt, struct rk_bounds *moved);
+    /* Predict grains begin to end (begin a multiple of LANES); `moved` gets the bounds of this
+     * step's moves. */
+    void (*predict)(struct rk_grains *grains, size_t begin, size_t end, double dt,
+                    struct rk_bounds *moved);
 
     /* Which pairs touch. The histories of the pairs move to the touching ones. */
-    void (*touch)(const struct rk_grains *grains, struct rk_pairs *pairs,
+    void (*touch)(const struct rk_grains *grains, struct rk_pairs *pairs, size_t begin, size_t end,
                   struct rk_touching *touching);
 
     /* grains->force: the weights of the grains, to which the contacts are added. */
-    void (*weigh)(struct rk_grains *grains, const double gravity[2]);
+    void (*weigh)(struct rk_grains *grains, size_t begin, size_t end, const double gravity[2]);
 
-    /* Forces of the touching pairs, added to grains->force in their order. */
+    /* Forces of the touching pairs, added to grains->force in their order; for several threads
+     * (touching->crossing is not NULL) left in touching->force, to be given afterwards: */
     rk_push *push[RK_NORMALS][RK_TANGENTS][2][2]; /* [normal][tangent][rolls][mixed] */
+
+    /* ... first those of other threads' contacts whose second grain is begin to end, then a
+     * thread's own to its own grains. */
+    void (*give_crossing)(struct rk_grains *grains, const struct rk_touching *touching,
+                          size_t begin, size_t end);
+    void (*give_own)(struct rk_grains *grains, const struct rk_touching *touching);
 
     /* Forces of the touching walls, left in touching->force. */
     rk_press *press[RK_NORMALS][RK_TANGENTS][2][2];
 
-    /* Correct all grains with grains->force. */
-    void (*correct)(struct rk_grains *grains, double dt);
+    /* Correct grains begin to end with grains->force. */
+    void (*correct)(struct rk_grains *grains, size_t begin, size_t end, double dt);
 };
 
 extern const struct rk_kernel rk_kernel_portable, rk_kernel_avx2, rk_kernel_avx512;

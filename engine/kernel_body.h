@@ -53,11 +53,14 @@ static void pad(struct rk_grains *grains) {
     }
 }
 
-static void predict(struct rk_grains *grains, double dt, struct rk_bounds *moved) {
+static void predict(struct rk_grains *grains, size_t begin, size_t end, double dt,
+                    struct rk_bounds *moved) {
     const double half_dt2 = 0.5 * dt * dt;
     struct span x = {lanes_all(INFINITY), lanes_all(-INFINITY)}, y = x, turn = x;
-    pad(grains);
-    for (size_t i = 0; i < grains->count; i += LANES) {
+    if (end == grains->count) {
+        pad(grains);
+    }
+    for (size_t i = begin; i < end; i += LANES) {
         predict_eight(grains->x + i, grains->vx + i, grains->ax + i, dt, half_dt2, &x);
         predict_eight(grains->y + i, grains->vy + i, grains->ay + i, dt, half_dt2, &y);
         if (grains->omega) {
@@ -65,17 +68,15 @@ static void predict(struct rk_grains *grains, double dt, struct rk_bounds *moved
                           &turn);
         }
     }
-    if (grains->count > 0) {
-        moved->low[0] += least_of(x.least);
-        moved->low[1] += least_of(y.least);
-        moved->high[0] -= least_of(-x.most);
-        moved->high[1] -= least_of(-y.most);
-    }
+    moved->low[0] = least_of(x.least);
+    moved->low[1] = least_of(y.least);
+    moved->high[0] = -least_of(-x.most);
+    moved->high[1] = -least_of(-y.most);
 }
 
-static void correct(struct rk_grains *grains, double dt) {
+static void correct(struct rk_grains *grains, size_t begin, size_t end, double dt) {
     const double half = 0.5 * dt;
-    for (size_t i = 0; i < grains->count; i += LANES) {
+    for (size_t i = begin; i < end; i += LANES) {
         lanes fx, fy, torque;
         lanes_load_rows(grains->force + RK_FORCE_WIDTH * i, &fx, &fy, &torque);
         lanes inverse_mass = lanes_load(grains->inverse_mass + i);
@@ -146,39 +147,76 @@ static size_t touch_eight(const struct rk_grains *grains, struct rk_pairs *pairs
 }
 #endif
 
-static void touch(const struct rk_grains *grains, struct rk_pairs *pairs,
+static void touch(const struct rk_grains *grains, struct rk_pairs *pairs, size_t begin, size_t end,
                   struct rk_touching *touching) {
-    size_t count = 0, p = 0;
+    size_t count = 0, p = begin;
 #if RK_WIDE
-    for (; p + LANES <= pairs->count; p += LANES) {
+    for (; p + LANES <= end; p += LANES) {
         count = touch_eight(grains, pairs, touching, p, count);
     }
 #endif
-    for (; p < pairs->count; p++) {
+    for (; p < end; p++) {
         count = touch_one(grains, pairs, touching, p, count);
     }
     touching->count = count;
 }
 
-/* Force rows of eight contacts go to their grains: rows are fx, fy on the second, then the torques
- * on the first and on the second. Contacts come in ascending order of their first grain, then
- * their second: this is the one order in which a grain's forces are ever added up. */
-static inline void give(double *total, const struct rk_touching *touching, size_t c, size_t end) {
+/* Force rows go to their grains: rows are fx, fy on the second, then the torques on the first and
+ * on the second. For every grain this is the one order in which its forces are ever added up:
+ * its weight, contacts in which it is second, contacts in which it is first, each in ascending
+ * order of the other grain; then walls. */
+typedef long long quad_index __attribute__((vector_size(32)));
+
+static inline void give_first(double *total, const struct rk_touching *touching, size_t c) {
     const quad opposite = {-1, -1, 1, 1};
-    typedef long long quad_index __attribute__((vector_size(32)));
+    const quad row = *(const quad *)(touching->force + RK_FORCE_WIDTH * c);
+    *(quad *)(total + RK_FORCE_WIDTH * (size_t)touching->first[c]) += row * opposite;
+}
+
+static inline void give_second(double *total, const struct rk_touching *touching, size_t c) {
+    const quad row = *(const quad *)(touching->force + RK_FORCE_WIDTH * c);
+    *(quad *)(total + RK_FORCE_WIDTH * (size_t)touching->second[c]) +=
+        __builtin_shuffle(row, (quad_index){0, 1, 3, 2});
+}
+
+static inline void give(double *total, const struct rk_touching *touching, size_t c, size_t end) {
     for (; c < end; c++) {
-        quad *first = (quad *)(total + RK_FORCE_WIDTH * (size_t)touching->first[c]);
-        quad *second = (quad *)(total + RK_FORCE_WIDTH * (size_t)touching->second[c]);
-        quad row = *(const quad *)(touching->force + RK_FORCE_WIDTH * c);
-        *first += row * opposite;
-        *second += __builtin_shuffle(row, (quad_index){0, 1, 3, 2});
+        give_first(total, touching, c);
+        give_second(total, touching, c);
     }
 }
 
-/* Weights first, then contacts. */
-static void weigh(struct rk_grains *grains, const double gravity[2]) {
+/* Contacts of several threads: those whose second grain lies behind the thread's own are put on a
+ * list for the thread it belongs to. */
+static inline void note_crossing(struct rk_touching *touching, size_t c, size_t end) {
+    for (; c < end; c++) {
+        touching->crossing[touching->crossings] = (uint32_t)c;
+        touching->crossings += touching->second[c] >= touching->last;
+    }
+}
+
+static void give_own(struct rk_grains *grains, const struct rk_touching *touching) {
+    for (size_t c = 0; c < touching->count; c++) {
+        give_first(grains->force, touching, c);
+        if (touching->second[c] < touching->last) {
+            give_second(grains->force, touching, c);
+        }
+    }
+}
+
+static void give_crossing(struct rk_grains *grains, const struct rk_touching *touching,
+                          size_t begin, size_t end) {
+    for (size_t k = 0; k < touching->crossings; k++) {
+        size_t c = touching->crossing[k];
+        if (touching->second[c] >= begin && touching->second[c] < end) {
+            give_second(grains->force, touching, c);
+        }
+    }
+}
+
+static void weigh(struct rk_grains *grains, size_t begin, size_t end, const double gravity[2]) {
     const quad g = {gravity[0], gravity[1], 0, 0};
-    for (size_t i = 0; i < grains->count; i++) {
+    for (size_t i = begin; i < end; i++) {
         *(quad *)(grains->force + RK_FORCE_WIDTH * i) = grains->mass[i] * g;
     }
 }
@@ -263,6 +301,7 @@ static INLINE void push(const struct flavour f, struct rk_grains *grains,
                         struct rk_touching *touching) {
     const bool rotates = f.tangent != RK_SMOOTH;
     const lanes none = lanes_all(0);
+    touching->crossings = 0;
     fill_up(touching);
     for (size_t c = 0; c < touching->count; c += LANES) {
         const uint32_t *i = touching->first + c, *j = touching->second + c;
@@ -322,7 +361,11 @@ static INLINE void push(const struct flavour f, struct rk_grains *grains,
         }
         lanes_store_rows(touching->force + RK_FORCE_WIDTH * c, fx, fy, turn_i, turn_j);
         size_t end = lesser(c + LANES, touching->count);
-        give(grains->force, touching, c, end);
+        if (touching->crossing) {
+            note_crossing(touching, c, end);
+        } else {
+            give(grains->force, touching, c, end);
+        }
         for (size_t k = c; k < end; k++) {
             if (f.tangent == RK_CUNDALL_STRACK || f.rolls) {
                 pairs->history[RK_HISTORY_FT][touching->pair[k]] =
@@ -425,6 +468,8 @@ const struct rk_kernel KERNEL_TABLE = {
     .predict = predict,
     .touch = touch,
     .weigh = weigh,
+    .give_own = give_own,
+    .give_crossing = give_crossing,
     .push = {TABLE_OF(push, linear), TABLE_OF(push, mass_damped), TABLE_OF(push, viscoelastic)},
     .press = {TABLE_OF(press, linear), TABLE_OF(press, mass_damped), TABLE_OF(press, viscoelastic)},
     .correct = correct,

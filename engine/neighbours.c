@@ -2,6 +2,8 @@
 
 #include "base/memory.h"
 #include "engine/fields.h"
+#include "engine/lanes.h"
+#include "engine/shares.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -310,12 +312,12 @@ static enum rk_status replace_index(uint32_t **array, size_t capacity) {
 static enum rk_status reserve_pairs(struct rk_scene *scene, size_t count, struct rk_error *err) {
     struct rk_pairs *pairs = &scene->pairs;
     struct rk_touching *touching = &scene->touching;
-    if (count <= pairs->capacity && pairs->first) {
+    if (count + LANES * scene->share_count <= pairs->capacity && pairs->first) {
         return RK_OK;
     }
     /* Contacts of the last step always are among the pairs, unless positions are nonsense. */
     size_t most = count > touching->count ? count : touching->count;
-    size_t capacity = most + most / 8 + 256;
+    size_t capacity = most + most / 8 + 256 + LANES * scene->share_count;
     bool failed = replace_index(&pairs->first, capacity) ||
                   replace_index(&pairs->second, capacity) || replace(&pairs->reach2, capacity) ||
                   (scene->spec.period_x > 0 && replace(&pairs->shift, capacity)) ||
@@ -432,11 +434,12 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
         status = rk_fail(err, RK_EMEMORY, "%zu neighbour pairs are more than can be numbered",
                          search.count);
     }
-    if (status == RK_OK) {
-        status = reserve_pairs(scene, search.count, err);
-    }
     if (status) {
         return status;
+    }
+    rk_shares_gather(scene); /* contacts of the last step, whose history is carried over */
+    if (reserve_pairs(scene, search.count, err)) {
+        return RK_EMEMORY;
     }
     order_pairs(scene, near->found, search.count);
     measure_pairs(scene);
@@ -449,7 +452,7 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
         scene->walls[w].near_valid = false; /* its bounds of movement began at the old build */
     }
     scene->profile.rebuilds++;
-    return RK_OK;
+    return rk_shares_cut(scene, err);
 }
 
 static int compare_real(const void *a, const void *b) {

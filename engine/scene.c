@@ -10,6 +10,7 @@
 #include "engine/ledger.h"
 #include "engine/neighbours.h"
 #include "engine/order.h"
+#include "engine/shares.h"
 #include "engine/walls.h"
 
 #include <math.h>
@@ -82,6 +83,9 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     near->in_cell = rk_array_create(n, sizeof(uint32_t));
     near->row_start = rk_array_create(n + 2, sizeof(uint32_t));
     scene->walls = rk_array_create(scene->spec.walls, sizeof *scene->walls);
+    if (status == RK_OK) {
+        status = rk_shares_create(scene, err);
+    }
     if (status == RK_OK && scene->has[RK_IF_LEDGER]) {
         status = rk_ledger_create(scene, err);
     }
@@ -159,6 +163,7 @@ void rk_scene_free(struct rk_scene *scene) {
         return;
     }
     rk_neighbours_free(scene);
+    rk_shares_free(scene);
     rk_walls_free(scene);
     rk_fields_free(scene, &rk_grain_fields);
     rk_fields_free(scene, &rk_contact_fields);
@@ -380,7 +385,6 @@ static inline uint64_t tick(struct rk_scene *scene, enum rk_phase phase, uint64_
 /* Forces of the present positions and velocities, summed into grains->force. */
 static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact_law *law,
                                  struct rk_error *err) {
-    const struct rk_kernel *kernel = scene->kernel;
     uint64_t since = scene->now ? scene->now() : 0;
     if (!rk_neighbours_hold(scene)) {
         enum rk_status status = rk_neighbours_build(scene, err);
@@ -389,16 +393,14 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
         }
     }
     since = tick(scene, RK_PHASE_NEIGHBOURS, since);
-    kernel->touch(&scene->grains, &scene->pairs, &scene->touching);
-    since = tick(scene, RK_PHASE_TOUCH, since);
-    kernel->weigh(&scene->grains, scene->spec.gravity);
-    kernel->push[law->normal][law->tangent][law->rolls][law->materials > 1](
-        &scene->grains, law, &scene->pairs, &scene->touching);
+    rk_shares_push(scene, law);
     since = tick(scene, RK_PHASE_PUSH, since);
     enum rk_status status = rk_walls_push(scene, law, err);
     tick(scene, RK_PHASE_WALLS, since);
     scene->profile.pairs += scene->pairs.count;
-    scene->profile.contacts += scene->touching.count;
+    for (size_t t = 0; t < scene->share_count; t++) {
+        scene->profile.contacts += scene->shares[t].touching.count;
+    }
     return status;
 }
 
@@ -409,6 +411,7 @@ static enum rk_status prime(struct rk_scene *scene, struct rk_error *err) {
     rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, 0);
     rk_walls_move(scene, rk_scene_time(scene));
     enum rk_status status = add_forces(scene, &law, err);
+    rk_shares_gather(scene);
     if (status == RK_OK) {
         status = coincident(scene, err);
     }
@@ -416,7 +419,7 @@ static enum rk_status prime(struct rk_scene *scene, struct rk_error *err) {
         status = rk_health_check(scene, err); /* grains may have been put inside each other */
     }
     if (status == RK_OK) {
-        scene->kernel->correct(&scene->grains, 0);
+        rk_shares_correct(scene, 0);
         scene->primed = 1;
     }
     if (status == RK_OK && scene->has[RK_IF_LEDGER]) {
@@ -448,9 +451,9 @@ void rk_scene_index_tags(struct rk_scene *scene) {
 
 static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_law *law,
                                 struct rk_error *err) {
-    const struct rk_kernel *kernel = scene->kernel;
     enum rk_status status = RK_OK;
     if (scene->steps % RK_ORDER_EVERY == 0) {
+        rk_shares_gather(scene);
         status = rk_order_renew(scene, err);
         rk_scene_index_tags(scene);
     }
@@ -461,7 +464,7 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
         return status;
     }
     uint64_t since = scene->now ? scene->now() : 0;
-    kernel->predict(&scene->grains, scene->spec.dt, &scene->neighbours.moved);
+    rk_shares_predict(scene);
     rk_walls_move(scene, (double)(scene->steps + 1) * scene->spec.dt);
     tick(scene, RK_PHASE_MOVE, since);
     status = add_forces(scene, law, err);
@@ -469,13 +472,18 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
         return status;
     }
     since = scene->now ? scene->now() : 0;
-    kernel->correct(&scene->grains, scene->spec.dt);
+    rk_shares_correct(scene, scene->spec.dt);
     tick(scene, RK_PHASE_MOVE, since);
     scene->steps++;
     if (scene->has[RK_IF_LEDGER]) {
+        rk_shares_gather(scene);
         rk_ledger_step(scene);
     }
-    return scene->steps % scene->spec.health.every == 0 ? rk_health_check(scene, err) : RK_OK;
+    if (scene->steps % scene->spec.health.every != 0) {
+        return RK_OK;
+    }
+    rk_shares_gather(scene);
+    return rk_health_check(scene, err);
 }
 
 enum rk_status rk_scene_step(struct rk_scene *scene, uint64_t steps, struct rk_error *err) {
@@ -486,5 +494,6 @@ enum rk_status rk_scene_step(struct rk_scene *scene, uint64_t steps, struct rk_e
     for (uint64_t s = 0; status == RK_OK && s < steps; s++) {
         status = step_once(scene, &law, err);
     }
+    rk_shares_gather(scene);
     return status;
 }

@@ -55,12 +55,23 @@ struct rk_touching {
     size_t histories;
     double *history[RK_HISTORIES];
     double *force; /* [capacity][RK_FORCE_WIDTH]: on second fx, fy; torques on first, second */
+    /* For several threads: contacts whose second grain is at `last` or behind. NULL for one. */
+    size_t last, crossings;
+    uint32_t *crossing;
 };
 
 /* Bounds of the displacements of all grains since the neighbour list was built: the sums of the
  * bounds of each step's moves, which need no old positions. */
 struct rk_bounds {
     double low[2], high[2];
+};
+
+/* What one thread does: rows of the pair list, which are grains, and their pairs and contacts. */
+struct rk_share {
+    size_t begin, end; /* grains; begin is a multiple of the vector width */
+    size_t pair_begin, pair_end;
+    struct rk_touching touching; /* a stretch of the scene's arrays */
+    struct rk_bounds moved;
 };
 
 struct rk_neighbours {
@@ -124,7 +135,11 @@ struct rk_scene {
     uint32_t *index_of; /* [tag] the grain's place in the order; NULL before the first step */
     struct rk_grains grains;
     struct rk_pairs pairs;
-    struct rk_touching touching;
+    struct rk_touching touching; /* whole between calls; within a step, the shares have it */
+    struct rk_share *shares;
+    size_t share_count;
+    bool scattered;     /* the contacts lie with the shares, not in touching */
+    uint32_t *crossing; /* [pairs.capacity + ...] of all shares; NULL for one thread */
     struct rk_neighbours neighbours;
     struct rk_wall *walls;
     size_t wall_count;

@@ -18,6 +18,7 @@
 struct recipe {
     const char *law, *friction, *rolling, *tension, *neighbours, *kernel;
     bool periodic, mixed;
+    size_t threads;
     double skin;
 };
 
@@ -45,6 +46,7 @@ static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
                      .skin = r->skin},
         .health = {.overlap = 0.9, .travel = 0.5, .every = 100},
         .ledger = r->mixed,
+        .threads = r->threads,
         .kernel = r->kernel ? rk_registry_find(&rk_kernel_registry, r->kernel) : NULL,
     };
     struct rk_scene *scene = NULL;
@@ -169,6 +171,39 @@ static void methods_skins_and_kernels_give_the_same_bytes(void **state) {
     for_every_physics(check_variants);
 }
 
+/* Threads meet several times a step, so tiny scenes are slow on them: fewer steps. */
+static void check_threads(struct recipe recipe) {
+    size_t size[2];
+    void *block[2];
+    for (int several = 0; several < 2; several++) {
+        recipe.threads = several ? 3 : 1;
+        recipe.skin = several ? 0.25 : 0.1;
+        struct rk_scene *scene = shaken_box(&recipe, GRAINS);
+        drop_grains(scene, &recipe, GRAINS);
+        step(scene, 1500);
+        block[several] = packed(scene, &size[several]);
+        rk_scene_free(scene);
+    }
+    assert_int_equal(size[0], size[1]);
+    assert_memory_equal(block[0], block[1], size[0]);
+    free(block[0]);
+    free(block[1]);
+}
+
+static void threads_give_the_same_bytes(void **state) {
+    (void)state;
+    for (int k = 0; k < 8; k++) {
+        check_threads((struct recipe){
+            .law = "linear",
+            .friction = rk_friction_registry.pieces[(size_t)k % rk_friction_registry.count]->name,
+            .rolling = k % 3 == 1 ? "spring" : "none",
+            .tension = "cut",
+            .neighbours = "cells",
+            .periodic = k % 2 == 0,
+            .mixed = k / 2 % 2 == 0});
+    }
+}
+
 static void check_resume(struct recipe recipe) {
     size_t size, half_size, resumed_size;
     void *block = outcome(&recipe, &size);
@@ -227,8 +262,8 @@ static void looking_changes_nothing(void **state) {
  * a scene that can be stepped; it never leads out of bounds (run under the address sanitizer). */
 static void damaged_states_do_no_harm(void **state) {
     (void)state;
-    struct recipe recipe = {"linear", "cundall-strack", "none", "cut", "cells", NULL, false, false,
-                            0.1};
+    struct recipe recipe = {
+        "linear", "cundall-strack", "none", "cut", "cells", NULL, false, false, 1, 0.1};
     struct rk_scene *scene = shaken_box(&recipe, GRAINS);
     drop_grains(scene, &recipe, GRAINS);
     step(scene, 6000);
@@ -260,7 +295,7 @@ static void damaged_states_do_no_harm(void **state) {
 
 static void wrong_scenes_are_refused(void **state) {
     (void)state;
-    struct recipe recipe = {"linear", "none", "none", "cut", "cells", NULL, false, false, 0.1};
+    struct recipe recipe = {"linear", "none", "none", "cut", "cells", NULL, false, false, 1, 0.1};
     struct rk_scene *scene = shaken_box(&recipe, 2);
     struct rk_error err = RK_NO_ERROR;
     static const struct rk_grain bad[] = {
@@ -289,7 +324,7 @@ static void scenes_of_none_one_and_two_grains_run(void **state) {
     (void)state;
     for (size_t grains = 0; grains <= 2; grains++) {
         struct recipe recipe = {"linear", "cundall-strack", "none", "cut", "cells",
-                                NULL,     grains == 1,      false,  0.1};
+                                NULL,     grains == 1,      false,  1,     0.1};
         struct rk_scene *scene = shaken_box(&recipe, grains);
         drop_grains(scene, &recipe, grains);
         step(scene, 5000);
@@ -301,8 +336,8 @@ static void scenes_of_none_one_and_two_grains_run(void **state) {
 /* Nonsense is noticed, named and explained. */
 static void a_run_gone_wrong_is_stopped_with_the_reason(void **state) {
     (void)state;
-    struct recipe recipe = {"linear", "cundall-strack", "none", "cut", "cells", NULL, false, false,
-                            0.1};
+    struct recipe recipe = {
+        "linear", "cundall-strack", "none", "cut", "cells", NULL, false, false, 1, 0.1};
     struct rk_error err = RK_NO_ERROR;
     struct rk_scene *scene = shaken_box(&recipe, 2);
     struct rk_grain bullet = {.x = 5, .y = 9, .vx = 400, .radius = 0.5, .mass = 0.25};
@@ -323,6 +358,7 @@ static void a_run_gone_wrong_is_stopped_with_the_reason(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(methods_skins_and_kernels_give_the_same_bytes),
+        cmocka_unit_test(threads_give_the_same_bytes),
         cmocka_unit_test(a_packed_scene_goes_on_with_the_same_bytes),
         cmocka_unit_test(looking_changes_nothing),
         cmocka_unit_test(damaged_states_do_no_harm),

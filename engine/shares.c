@@ -1,0 +1,199 @@
+#include "engine/shares.h"
+
+#include "base/memory.h"
+#include "engine/kernel.h"
+#include "engine/lanes.h"
+
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum rk_status rk_shares_create(struct rk_scene *scene, struct rk_error *err) {
+    size_t threads = scene->spec.threads > 0 ? scene->spec.threads : 1;
+    if (threads > RK_THREADS_MAX) {
+        return rk_fail(err, RK_EINVALID, "%zu threads are too many for one scene, at most %zu",
+                       threads, RK_THREADS_MAX);
+    }
+    scene->shares = rk_array_create(threads, sizeof *scene->shares);
+    scene->share_count = threads;
+    return scene->shares ? RK_OK : rk_fail(err, RK_EMEMORY, "no memory for %zu threads", threads);
+}
+
+void rk_shares_free(struct rk_scene *scene) {
+    free(scene->shares);
+    free(scene->crossing);
+}
+
+/* A stretch of the scene's contact arrays, from `at` on. */
+static struct rk_touching stretch(const struct rk_touching *all, size_t at) {
+    struct rk_touching part = *all;
+    part.first += at;
+    part.second += at;
+    part.pair += at;
+    part.dx += at;
+    part.dy += at;
+    part.d2 += at;
+    part.force += RK_FORCE_WIDTH * at;
+    for (size_t h = 0; h < part.histories; h++) {
+        part.history[h] += at;
+    }
+    return part;
+}
+
+/* The first grain of share t, so that all have about as many pairs: a multiple of LANES. */
+static size_t cut_at(const struct rk_scene *scene, size_t t) {
+    const uint32_t *row_start = scene->neighbours.row_start;
+    size_t n = scene->grains.count, low = 0, high = n;
+    size_t wanted = scene->pairs.count / scene->share_count * t;
+    if (t == 0 || t == scene->share_count) {
+        return t == 0 ? 0 : n;
+    }
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (row_start[middle] < wanted) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low / LANES * LANES;
+}
+
+enum rk_status rk_shares_cut(struct rk_scene *scene, struct rk_error *err) {
+    const uint32_t *row_start = scene->neighbours.row_start;
+    size_t threads = scene->share_count;
+    if (threads > 1) {
+        free(scene->crossing);
+        scene->crossing = rk_array_create(scene->pairs.capacity, sizeof *scene->crossing);
+        if (!scene->crossing) {
+            return rk_fail(err, RK_EMEMORY, "no memory for the contacts between threads");
+        }
+    }
+    for (size_t t = 0; t < threads; t++) {
+        struct rk_share *share = &scene->shares[t];
+        share->begin = cut_at(scene, t);
+        share->end = cut_at(scene, t + 1);
+        share->pair_begin = row_start[share->begin];
+        share->pair_end = row_start[share->end];
+        /* Whole vectors are stored: a gap keeps them out of the next stretch. */
+        share->touching = stretch(&scene->touching, share->pair_begin + LANES * t);
+        share->touching.last = share->end;
+        share->touching.crossing =
+            threads > 1 ? scene->crossing + share->pair_begin + LANES * t : NULL;
+    }
+    return RK_OK;
+}
+
+void rk_shares_predict(struct rk_scene *scene) {
+    const double dt = scene->spec.dt;
+    struct rk_bounds *moved = &scene->neighbours.moved;
+    size_t blocks = (scene->grains.count + LANES - 1) / LANES, threads = scene->share_count;
+#pragma omp parallel for num_threads((int)threads) schedule(static) if (threads > 1)
+    for (size_t t = 0; t < threads; t++) {
+        size_t begin = blocks * t / threads * LANES, end = blocks * (t + 1) / threads * LANES;
+        end = end < scene->grains.count ? end : scene->grains.count;
+        scene->kernel->predict(&scene->grains, begin, end, dt, &scene->shares[t].moved);
+    }
+    struct rk_bounds most = scene->shares[0].moved;
+    for (size_t t = 1; t < threads; t++) {
+        const struct rk_bounds *part = &scene->shares[t].moved;
+        for (int k = 0; k < 2; k++) {
+            most.low[k] = part->low[k] < most.low[k] ? part->low[k] : most.low[k];
+            most.high[k] = part->high[k] > most.high[k] ? part->high[k] : most.high[k];
+        }
+    }
+    for (int k = 0; k < 2 && scene->grains.count > 0; k++) {
+        moved->low[k] += most.low[k];
+        moved->high[k] += most.high[k];
+    }
+}
+
+void rk_shares_correct(struct rk_scene *scene, double dt) {
+    size_t blocks = (scene->grains.count + LANES - 1) / LANES, threads = scene->share_count;
+#pragma omp parallel for num_threads((int)threads) schedule(static) if (threads > 1)
+    for (size_t t = 0; t < threads; t++) {
+        size_t begin = blocks * t / threads * LANES, end = blocks * (t + 1) / threads * LANES;
+        end = end < scene->grains.count ? end : scene->grains.count;
+        scene->kernel->correct(&scene->grains, begin, end, dt);
+    }
+}
+
+static void touch(struct rk_scene *scene, size_t t) {
+    struct rk_share *share = &scene->shares[t];
+    scene->kernel->touch(&scene->grains, &scene->pairs, share->pair_begin, share->pair_end,
+                         &share->touching);
+}
+
+static void push(struct rk_scene *scene, const struct rk_contact_law *law, size_t t) {
+    struct rk_share *share = &scene->shares[t];
+    scene->kernel->weigh(&scene->grains, share->begin, share->end, scene->spec.gravity);
+    scene->kernel->push[law->normal][law->tangent][law->rolls][law->materials > 1](
+        &scene->grains, law, &scene->pairs, &share->touching);
+}
+
+static void push_alone(struct rk_scene *scene, const struct rk_contact_law *law) {
+    uint64_t since = scene->now ? scene->now() : 0;
+    touch(scene, 0);
+    if (scene->now) { /* part of what the caller counts as RK_PHASE_PUSH */
+        uint64_t spent = scene->now() - since;
+        scene->profile.ticks[RK_PHASE_TOUCH] += spent;
+        scene->profile.ticks[RK_PHASE_PUSH] -= spent;
+    }
+    push(scene, law, 0);
+    scene->touching.count = scene->shares[0].touching.count;
+}
+
+void rk_shares_push(struct rk_scene *scene, const struct rk_contact_law *law) {
+    const struct rk_kernel *kernel = scene->kernel;
+    size_t threads = scene->share_count;
+    if (threads == 1) {
+        push_alone(scene, law);
+        return;
+    }
+    scene->scattered = true;
+#pragma omp parallel num_threads((int)threads)
+    {
+#pragma omp for schedule(static)
+        for (size_t t = 0; t < threads; t++) {
+            touch(scene, t);
+            push(scene, law, t);
+        }
+#pragma omp for schedule(static)
+        for (size_t t = 0; t < threads; t++) {
+            struct rk_share *share = &scene->shares[t];
+            for (size_t before = 0; before < t; before++) {
+                kernel->give_crossing(&scene->grains, &scene->shares[before].touching, share->begin,
+                                      share->end);
+            }
+            kernel->give_own(&scene->grains, &share->touching);
+        }
+    }
+}
+
+static void shift(void *array, size_t to, size_t from, size_t count, size_t size) {
+    memmove((char *)array + to * size, (char *)array + from * size, count * size);
+}
+
+void rk_shares_gather(struct rk_scene *scene) {
+    struct rk_touching *all = &scene->touching;
+    if (!scene->scattered) {
+        return;
+    }
+    size_t count = 0;
+    for (size_t t = 0; t < scene->share_count; t++) {
+        struct rk_touching *part = &scene->shares[t].touching;
+        size_t at = (size_t)(part->first - all->first);
+        shift(all->first, count, at, part->count, sizeof *all->first);
+        shift(all->second, count, at, part->count, sizeof *all->second);
+        shift(all->dx, count, at, part->count, sizeof *all->dx);
+        shift(all->dy, count, at, part->count, sizeof *all->dy);
+        shift(all->d2, count, at, part->count, sizeof *all->d2);
+        shift(all->force, count, at, part->count, RK_FORCE_WIDTH * sizeof *all->force);
+        for (size_t h = 0; h < all->histories; h++) {
+            shift(all->history[h], count, at, part->count, sizeof *all->history[h]);
+        }
+        count += part->count;
+    }
+    all->count = count;
+    scene->scattered = false;
+}

@@ -1,0 +1,32 @@
+/* One replica on several threads: who does which grains, pairs and contacts.
+ *
+ * Grains are cut into stretches of the order, one a thread; a pair belongs to its first grain. The
+ * forces of a thread's contacts are worked out first, then, when all are there, each thread adds
+ * up the forces on its own grains in the one order that there is. So the bytes do not depend on
+ * the number of threads.
+ */
+#ifndef RK_ENGINE_SHARES_H
+#define RK_ENGINE_SHARES_H
+
+#include "engine/contact.h"
+#include "engine/scene.h"
+
+#define RK_THREADS_MAX ((size_t)256)
+
+enum rk_status rk_shares_create(struct rk_scene *scene, struct rk_error *err);
+void rk_shares_free(struct rk_scene *scene);
+
+/* Cut the present pair list; after each build. */
+enum rk_status rk_shares_cut(struct rk_scene *scene, struct rk_error *err);
+
+/* Predict and correct all grains; the bounds of their moves are added to neighbours.moved. */
+void rk_shares_predict(struct rk_scene *scene);
+void rk_shares_correct(struct rk_scene *scene, double dt);
+
+/* Weights and the forces of all pairs into grains->force. */
+void rk_shares_push(struct rk_scene *scene, const struct rk_contact_law *law);
+
+/* Put the contacts of all shares together in scene->touching, for whoever wants to look. */
+void rk_shares_gather(struct rk_scene *scene);
+
+#endif
