@@ -377,6 +377,27 @@ static void long_runs_cross_chunks(void **state) {
     free(angle);
 }
 
+/* One frame of one element as large as a chunk is to be, and one grain less. */
+static void frames_as_large_as_a_chunk_are_written(void **state) {
+    struct fixture *f = *state;
+    f->study.replicas = 1;
+    for (size_t i = 0; i < POINTS; i++) {
+        f->params[i].grains = (1 << 16) - 1 + i;
+        f->params[i].periods = f->params[i].samples = 1;
+    }
+    plan_again(f);
+    expect_run(f, "out", 1);
+    hid_t file = H5Fopen(scratch_path(f->folder, "out/runs/second-0000.h5"), H5F_ACC_RDONLY, 0);
+    hid_t set = H5Dopen2(file, "particles/grains/position/value", 0);
+    hid_t space = H5Dget_space(set);
+    hsize_t dims[3] = {0, 0, 0};
+    assert_int_equal(H5Sget_simple_extent_dims(space, dims, NULL), 3);
+    assert_true(dims[0] == 2 && dims[1] == 1 << 16 && dims[2] == 2);
+    H5Sclose(space);
+    H5Dclose(set);
+    H5Fclose(file);
+}
+
 static void failures_are_results(void **state) {
     struct fixture *f = *state;
     f->params[0].blow_up = 500;
@@ -447,6 +468,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(a_damaged_file_is_told_and_done_again, make, clear),
         cmocka_unit_test_setup_teardown(observables_are_read_back, make, clear),
         cmocka_unit_test_setup_teardown(long_runs_cross_chunks, make, clear),
+        cmocka_unit_test_setup_teardown(frames_as_large_as_a_chunk_are_written, make, clear),
         cmocka_unit_test_setup_teardown(failures_are_results, make, clear),
         cmocka_unit_test_setup_teardown(a_full_disk_is_told_and_overcome, make, clear),
     };
