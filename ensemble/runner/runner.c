@@ -108,8 +108,7 @@ static enum rk_status review(struct crew *crew, size_t i, struct rk_error *err) 
         return status;
     }
     status = rk_seal_verify(path.text, &seal, &why);
-    struct rk_origin mine = rk_origin_of(crew->plan, run);
-    if (status == RK_OK && memcmp(&mine, &seal.origin, sizeof mine) != 0) {
+    if (status == RK_OK && !rk_origin_is(&seal.origin, crew->plan, run)) {
         status = rk_fail(&why, RK_EFORMAT, "it belongs to another study or run");
     }
     if (status == RK_EFORMAT) {

@@ -192,7 +192,7 @@ static enum rk_status build(const char *folder, const struct rk_plan *plan, bool
         return rk_fail(err, RK_EMEMORY, "not enough memory to index %zu runs", plan->count);
     }
     for (size_t i = 0; i < plan->count; i++) {
-        states[i] = (uint8_t)rk_store_run_state(folder, &plan->runs[i]);
+        states[i] = (uint8_t)rk_store_run_state(folder, plan, &plan->runs[i]);
     }
     struct rk_path partial; /* of a program that was killed */
     enum rk_status status = rk_path_set(&partial, err, "%s/study.h5.tmp", folder);

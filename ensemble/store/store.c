@@ -210,8 +210,8 @@ void rk_store_close(struct rk_store *store) {
 
 /* ---- What is there of a run ---- */
 
-enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_run *run,
-                                      char reason[512]) {
+enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_plan *plan,
+                                      const struct rk_run *run, char reason[512]) {
     struct rk_path path;
     struct rk_seal seal;
     if (reason) {
@@ -220,7 +220,7 @@ enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_run *r
     if (rk_path_of_run(&path, folder, run->id, ".h5", NULL) != RK_OK) {
         return RK_RUN_WAITING;
     }
-    if (rk_seal_read(path.text, &seal, NULL) == RK_OK && strcmp(seal.origin.run, run->id) == 0) {
+    if (rk_seal_read(path.text, &seal, NULL) == RK_OK && rk_origin_is(&seal.origin, plan, run)) {
         if (reason) {
             memcpy(reason, seal.reason, sizeof seal.reason);
         }
@@ -231,6 +231,7 @@ enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_run *r
     return started ? RK_RUN_STARTED : RK_RUN_WAITING;
 }
 
-enum rk_run_state rk_store_run_state(const char *folder, const struct rk_run *run) {
-    return rk_store_run_reason(folder, run, NULL);
+enum rk_run_state rk_store_run_state(const char *folder, const struct rk_plan *plan,
+                                     const struct rk_run *run) {
+    return rk_store_run_reason(folder, plan, run, NULL);
 }

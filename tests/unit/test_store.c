@@ -25,6 +25,8 @@
 
 enum { POINTS = 2 };
 
+static const char *const kept_name = "out/runs/first-0001.h5";
+
 struct fixture {
     char *folder;
     struct fake_shaker_params params[POINTS];
@@ -180,6 +182,28 @@ static void two_programs_do_not_share_a_folder(void **state) {
     rk_store_close(store);
 }
 
+/* Same name, same run: what tells the two files apart is the identity of the plan. */
+static void a_run_of_another_study_is_not_taken(void **state) {
+    struct fixture *f = *state;
+    expect_run(f, "out", 1);
+    f->study.seed = 6;
+    plan_again(f);
+    expect_run(f, "other", 1);
+    const struct rk_run *r = &f->plan->runs[1];
+    const char *folder = scratch_path(f->folder, "other");
+    assert_int_equal(rk_store_run_state(folder, f->plan, r), RK_RUN_DONE);
+    assert_int_equal(rename(scratch_path(f->folder, kept_name),
+                            scratch_path(f->folder, "other/runs/first-0001.h5")),
+                     0);
+    struct rk_observable data;
+    assert_int_equal(rk_store_run_state(folder, f->plan, r), RK_RUN_WAITING);
+    assert_int_equal(rk_store_read(folder, f->plan, r, "intruder.height", &data, NULL), RK_EFORMAT);
+    expect_run(f, "other", 1);
+    assert_non_null(strstr(f->last, "first-0001.h5.damaged"));
+    expect_run(f, "fresh", 1);
+    expect_same(f, "other", "fresh");
+}
+
 /* ---- The same bytes ---- */
 
 static void threads_and_repetition_change_nothing(void **state) {
@@ -264,8 +288,6 @@ static void a_damaged_checkpoint_falls_back(void **state) {
     }
 }
 
-static const char *const kept_name = "out/runs/first-0001.h5";
-
 static void a_damaged_file_is_told_and_done_again(void **state) {
     struct fixture *f = *state;
     expect_run(f, "straight", 1);
@@ -279,13 +301,15 @@ static void a_damaged_file_is_told_and_done_again(void **state) {
         size_t at = i * (size - 1) / 199;
         bytes[at] ^= 0x10;
         scratch_write(path, bytes, size);
-        assert_int_equal(rk_store_read(folder, &f->plan->runs[1], "intruder.height", &data, NULL),
-                         RK_EFORMAT);
+        assert_int_equal(
+            rk_store_read(folder, f->plan, &f->plan->runs[1], "intruder.height", &data, NULL),
+            RK_EFORMAT);
         bytes[at] ^= 0x10;
         scratch_write(path, bytes, at);
-        assert_int_equal(rk_store_read(folder, &f->plan->runs[1], "intruder.height", &data, NULL),
-                         RK_EFORMAT);
-        assert_int_equal(rk_store_run_state(folder, &f->plan->runs[1]), RK_RUN_WAITING);
+        assert_int_equal(
+            rk_store_read(folder, f->plan, &f->plan->runs[1], "intruder.height", &data, NULL),
+            RK_EFORMAT);
+        assert_int_equal(rk_store_run_state(folder, f->plan, &f->plan->runs[1]), RK_RUN_WAITING);
     }
     bytes[size / 2] ^= 0x10;
     scratch_write(path, bytes, size);
@@ -306,7 +330,7 @@ static void observables_are_read_back(void **state) {
     struct rk_error err = RK_NO_ERROR;
     const char *folder = scratch_path(f->folder, "out");
     const struct rk_run *r = &f->plan->runs[0];
-    assert_int_equal(rk_store_read(folder, r, "intruder.height", &data, NULL), RK_OK);
+    assert_int_equal(rk_store_read(folder, f->plan, r, "intruder.height", &data, NULL), RK_OK);
     assert_int_equal(data.samples, 8 * 5 + 1);
     assert_true(data.interval == 40 * 0.01);
     struct rk_scene *scene;
@@ -326,10 +350,10 @@ static void observables_are_read_back(void **state) {
     free(data.values);
     const char *const wrong[] = {"intruder.weight", "intruder", ".", "a.b.c", "../x.y", ""};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
-        assert_int_equal(rk_store_read(folder, r, wrong[i], &data, &err), RK_EINVALID);
+        assert_int_equal(rk_store_read(folder, f->plan, r, wrong[i], &data, &err), RK_EINVALID);
         assert_null(data.values);
     }
-    assert_int_equal(rk_store_read("/nowhere", r, "intruder.height", &data, &err), RK_EIO);
+    assert_int_equal(rk_store_read("/nowhere", f->plan, r, "intruder.height", &data, &err), RK_EIO);
 }
 
 /* More samples and frames than one chunk holds: every one is compared with the scene itself. */
@@ -345,7 +369,8 @@ static void long_runs_cross_chunks(void **state) {
     const struct rk_run *r = &f->plan->runs[1];
     struct rk_observable data;
     assert_int_equal(
-        rk_store_read(scratch_path(f->folder, "out"), r, "intruder.velocity", &data, NULL), RK_OK);
+        rk_store_read(scratch_path(f->folder, "out"), f->plan, r, "intruder.velocity", &data, NULL),
+        RK_OK);
     assert_int_equal(data.samples, PERIODS * 5 + 1);
     float(*place)[GRAINS][2] = malloc((PERIODS + 1) * sizeof *place);
     float(*angle)[GRAINS] = malloc((PERIODS + 1) * sizeof *angle);
@@ -409,16 +434,19 @@ static void failures_are_results(void **state) {
     struct rk_observable data;
     char reason[512];
     const char *folder = scratch_path(f->folder, "out");
-    assert_int_equal(rk_store_run_reason(folder, &f->plan->runs[0], reason), RK_RUN_FAILED);
+    assert_int_equal(rk_store_run_reason(folder, f->plan, &f->plan->runs[0], reason),
+                     RK_RUN_FAILED);
     assert_string_equal(reason, "grain 3 overlaps at step 500");
-    assert_int_equal(rk_store_read(folder, &f->plan->runs[0], "intruder.height", &data, NULL),
-                     RK_OK);
+    assert_int_equal(
+        rk_store_read(folder, f->plan, &f->plan->runs[0], "intruder.height", &data, NULL), RK_OK);
     assert_int_equal(data.samples, 500 / 40 + 1);
     free(data.values);
-    assert_int_equal(rk_store_run_reason(folder, &f->plan->runs[3], reason), RK_RUN_FAILED);
+    assert_int_equal(rk_store_run_reason(folder, f->plan, &f->plan->runs[3], reason),
+                     RK_RUN_FAILED);
     assert_string_equal(reason, "the bed would not come to rest");
-    assert_int_equal(rk_store_read(folder, &f->plan->runs[3], "intruder.height", &data, NULL),
-                     RK_EREFUSED);
+    assert_int_equal(
+        rk_store_read(folder, f->plan, &f->plan->runs[3], "intruder.height", &data, NULL),
+        RK_EREFUSED);
     expect_run(f, "out", 1); /* failed is an answer: nothing is tried again */
     for (int stops = 0;; stops++) {
         f->polls_left = 11;
@@ -461,6 +489,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(another_studys_folder_is_refused, make, clear),
         cmocka_unit_test_setup_teardown(an_unwritable_folder_is_refused, make, clear),
         cmocka_unit_test_setup_teardown(two_programs_do_not_share_a_folder, make, clear),
+        cmocka_unit_test_setup_teardown(a_run_of_another_study_is_not_taken, make, clear),
         cmocka_unit_test_setup_teardown(threads_and_repetition_change_nothing, make, clear),
         cmocka_unit_test_setup_teardown(stops_change_nothing, make, clear),
         cmocka_unit_test_setup_teardown(more_replicas_go_on, make, clear),
