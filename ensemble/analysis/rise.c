@@ -125,7 +125,7 @@ static void picture(const struct rk_picture *p, FILE *out) {
     double low, high;
     find_range(p, &low, &high);
     rk_plot_begin_panels(p, "time [periods]", out);
-    fprintf(out, "set yrange [%.4g:%.4g]\nset key below height 1.2\n", low, high);
+    fprintf(out, "set yrange [%.9g:%.9g]\nset key below height 1.2\n", low, high);
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
         const char *colour = rk_plot_colour(i);

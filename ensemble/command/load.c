@@ -31,10 +31,16 @@ int rk_command_load_folder(const char *folder, struct rk_study **study) {
 enum rk_status rk_command_plan_folder(const char *folder, const struct rk_study *study,
                                       struct rk_plan **plan, struct rk_error *err) {
     enum rk_status status = rk_plan_create(study, plan, err);
-    if (status == RK_OK && rk_plan_file_match(folder, *plan, NULL) != RK_OK) {
-        status = rk_fail(err, RK_ECONFLICT,
-                         "the runs in this folder are not those of its study.yaml: the file was "
-                         "changed afterwards, or the folder was written by another version");
+    if (status != RK_OK) {
+        return status;
+    }
+    status = rk_plan_file_match(folder, *plan, err);
+    if (status == RK_ECONFLICT) {
+        rk_fail(err, status,
+                "the runs in this folder are not those of its study.yaml: the file was changed "
+                "afterwards, or the folder was written by another version");
+    }
+    if (status != RK_OK) {
         rk_error_locate(err, "%s", folder);
         rk_plan_free(*plan);
         *plan = NULL;

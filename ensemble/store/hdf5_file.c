@@ -1,4 +1,5 @@
 #include "ensemble/store/hdf5_file.h"
+#include "base/memory.h"
 #include "ensemble/store/files.h"
 #include "ensemble/store/hdf5_driver.h"
 
@@ -351,7 +352,7 @@ void rk_h5_read_list(struct rk_h5 *h5, const char *name, double **values, size_t
     if (space < 0 || H5Sget_simple_extent_ndims(space) != 1 ||
         H5Sget_simple_extent_dims(space, &length, NULL) < 0) {
         rk_h5_fail(h5, "read", name);
-    } else if (!(*values = malloc(length > 0 ? length * sizeof **values : 1))) {
+    } else if (!(*values = rk_array_create(length, sizeof **values))) {
         h5->status = rk_fail(h5->err, RK_EMEMORY, "not enough memory to read '%s'", h5->path);
     } else if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, *values) < 0) {
         rk_h5_fail(h5, "read", name);

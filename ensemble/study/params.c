@@ -23,7 +23,8 @@ static size_t index_of(const struct rk_param_table *table, const char *path) {
     size_t total = rk_param_total(table);
     struct rk_param_ref found = rk_param_find(table, path);
     for (size_t i = 0; i < total; i++) {
-        if (rk_param_at(table, i).row == found.row) {
+        struct rk_param_ref ref = rk_param_at(table, i); /* two groups may share their rows */
+        if (ref.group == found.group && ref.row == found.row) {
             return i;
         }
     }
