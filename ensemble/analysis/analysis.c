@@ -11,13 +11,9 @@ const struct rk_registry rk_analysis_registry = {"analysis",
                                                  "what is estimated from the runs of a study",
                                                  analyses, sizeof analyses / sizeof *analyses};
 
-uint64_t rk_analysis_periods(const struct rk_schedule *schedule) {
-    return schedule->steps / schedule->sample_every / schedule->samples_per_period;
-}
-
 enum rk_status rk_analysis_check_span(uint64_t from, uint64_t to,
                                       const struct rk_schedule *schedule, struct rk_error *err) {
-    unsigned long long periods = rk_analysis_periods(schedule);
+    unsigned long long periods = rk_schedule_periods(schedule);
     if (from >= periods) {
         return rk_fail_about(err, RK_EINVALID, "from",
                              "from: period %llu is not inside a run of %llu periods",

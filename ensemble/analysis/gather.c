@@ -56,7 +56,7 @@ enum rk_status rk_gather(const char *folder, const struct rk_plan *plan, size_t 
     const struct rk_run *runs = plan->runs + point * (size_t)study->replicas;
     size_t replicas = (size_t)study->replicas, done = 0;
     *g = (struct rk_gathered){.interval = (double)schedule.sample_every * schedule.dt,
-                              .samples = schedule.steps / schedule.sample_every + 1};
+                              .samples = rk_schedule_samples(&schedule)};
     for (size_t r = 0; r < replicas; r++) {
         done += rk_store_run_state(folder, plan, &runs[r]) == RK_RUN_DONE;
     }

@@ -15,7 +15,7 @@ static const struct rk_param_table table = {groups, 1, sizeof(struct rk_ldf_opti
 static enum rk_status check(const void *params, const struct rk_schedule *schedule,
                             struct rk_error *err) {
     const struct rk_ldf_options *p = params;
-    uint64_t periods = rk_analysis_periods(schedule);
+    uint64_t periods = rk_schedule_periods(schedule);
     enum rk_status status = rk_analysis_check_span(p->from, p->to, schedule, err);
     if (status != RK_OK) {
         return status;

@@ -38,9 +38,6 @@ struct rk_analysis_methods {
 
 extern const struct rk_analysis rk_analysis_rise, rk_analysis_ldf;
 
-/* Whole periods in a run. */
-uint64_t rk_analysis_periods(const struct rk_schedule *schedule);
-
 /* Is [from, to) of periods (to = 0: the end) inside a run? RK_EINVALID about "from" or "to". */
 enum rk_status rk_analysis_check_span(uint64_t from, uint64_t to,
                                       const struct rk_schedule *schedule, struct rk_error *err);

@@ -6,6 +6,7 @@
 #include "ensemble/command/command.h"
 #include "ensemble/input/dataset.h"
 #include "ensemble/input/table.h"
+#include "ensemble/store/columns.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -105,7 +106,7 @@ static enum rk_status check_observable(const struct rk_case *scene, const char *
     char known[256][RK_PARAM_PATH];
     size_t count = 0;
     for (size_t p = 0; p < scene->probes->count; p++) {
-        const struct rk_probe *probe = (const struct rk_probe *)scene->probes->pieces[p];
+        const struct rk_probe *probe = rk_columns_probe(scene, p);
         for (size_t c = 0; c < probe->count && count < 256; c++) {
             snprintf(known[count], sizeof known[count], "%s.%s", probe->piece.name,
                      probe->columns[c].name);

@@ -104,7 +104,7 @@ static void write_point(struct rk_h5 *h5, hid_t parent, const struct rk_plan *pl
     const struct rk_case *scene = plan->study->scene;
     const struct rk_point *point = &plan->study->points[plan->runs[span.first].point];
     struct rk_schedule schedule = scene->schedule(point->params);
-    hsize_t samples = schedule.steps / schedule.sample_every + 1;
+    hsize_t samples = rk_schedule_samples(&schedule);
     double interval = (double)schedule.sample_every * schedule.dt;
     hid_t group = rk_h5_group(h5, parent, point->name);
     write_complete(h5, group, states, span);

@@ -130,7 +130,7 @@ static void spans_are_checked(void **state) {
     (void)state;
     struct rk_schedule schedule = {.steps = 4000, .sample_every = 10, .samples_per_period = 10};
     struct rk_error err = RK_NO_ERROR;
-    assert_int_equal(rk_analysis_periods(&schedule), 40);
+    assert_int_equal(rk_schedule_periods(&schedule), 40);
     assert_int_equal(rk_analysis_check_span(0, 0, &schedule, &err), RK_OK);
     assert_int_equal(rk_analysis_check_span(39, 40, &schedule, &err), RK_OK);
     assert_int_equal(rk_analysis_check_span(40, 0, &schedule, &err), RK_EINVALID);

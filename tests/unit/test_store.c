@@ -402,6 +402,39 @@ static void long_runs_cross_chunks(void **state) {
     free(angle);
 }
 
+static size_t steps_recorded(const char *path) {
+    hid_t file = H5Fopen(path, H5F_ACC_RDONLY, 0);
+    hid_t set = H5Dopen2(file, "particles/grains/position/step", 0), space = H5Dget_space(set);
+    hssize_t count = H5Sget_simple_extent_npoints(space);
+    H5Sclose(space);
+    H5Dclose(set);
+    H5Fclose(file);
+    return (size_t)count;
+}
+
+/* What `reckon check` foresees is what is there: 8 periods with a frame every 3 have frames at 0,
+ * 3, 6 and, being the last, 8; every 4 at 0, 4 and 8. */
+static void as_many_records_as_foreseen(void **state) {
+    struct fixture *f = *state;
+    f->params[0].frames = 3;
+    f->params[1].frames = 4;
+    plan_again(f);
+    expect_run(f, "out", 1);
+    for (size_t p = 0; p < POINTS; p++) {
+        struct rk_schedule schedule = fake_shaker.schedule(&f->params[p]);
+        struct rk_observable data;
+        const struct rk_run *r = &f->plan->runs[3 * p];
+        const char *folder = scratch_path(f->folder, "out");
+        assert_int_equal(rk_schedule_periods(&schedule), 8);
+        assert_int_equal(rk_schedule_frames(&schedule), 4 - p);
+        const char *name = p ? "out/runs/second-0000.h5" : "out/runs/first-0000.h5";
+        assert_int_equal(steps_recorded(scratch_path(f->folder, name)), 4 - p);
+        assert_int_equal(rk_store_read(folder, f->plan, r, "intruder.height", &data, NULL), RK_OK);
+        assert_int_equal(data.samples, rk_schedule_samples(&schedule));
+        free(data.values);
+    }
+}
+
 /* One frame of one element as large as a chunk is to be, and one grain less. */
 static void frames_as_large_as_a_chunk_are_written(void **state) {
     struct fixture *f = *state;
@@ -497,6 +530,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(a_damaged_file_is_told_and_done_again, make, clear),
         cmocka_unit_test_setup_teardown(observables_are_read_back, make, clear),
         cmocka_unit_test_setup_teardown(long_runs_cross_chunks, make, clear),
+        cmocka_unit_test_setup_teardown(as_many_records_as_foreseen, make, clear),
         cmocka_unit_test_setup_teardown(frames_as_large_as_a_chunk_are_written, make, clear),
         cmocka_unit_test_setup_teardown(failures_are_results, make, clear),
         cmocka_unit_test_setup_teardown(a_full_disk_is_told_and_overcome, make, clear),
