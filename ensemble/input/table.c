@@ -1,6 +1,6 @@
 #include "ensemble/input/table.h"
 
-#include "ensemble/analysis/number.h"
+#include "base/number.h"
 
 #include <errno.h>
 #include <stdarg.h>
