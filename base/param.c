@@ -154,8 +154,8 @@ static enum rk_status unknown(const struct rk_param_table *table, const char *pa
     if (paths) {
         nearest = rk_nearest_name(path, total, path_name, paths);
     }
-    rk_fail_about(err, RK_EINVALID, path, "there is no parameter '%.96s'%s%s%s", path,
-                  nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    rk_fail_about(err, RK_EINVALID, path, "there is no parameter '%.96s'%s", path,
+                  rk_hint_of(nearest, "").text);
     free(paths);
     return RK_EINVALID;
 }

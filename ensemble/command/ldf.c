@@ -96,8 +96,8 @@ static enum rk_status find_point(const struct rk_study *study, const char *name,
         }
     }
     const char *nearest = rk_nearest_name(name, study->point_count, point_name, study->points);
-    return rk_fail(err, RK_EINVALID, "the study has no point '%.64s'%s%s%s", name,
-                   nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    return rk_fail(err, RK_EINVALID, "the study has no point '%.64s'%s", name,
+                   rk_hint_of(nearest, "").text);
 }
 
 /* "probe.column" of the study's case; a near miss is named. */
@@ -116,9 +116,8 @@ static enum rk_status check_observable(const struct rk_case *scene, const char *
         }
     }
     const char *nearest = rk_nearest_name(name, count, observable_name, known);
-    return rk_fail(err, RK_EINVALID, "there is no observable '%.64s'%s%s%s", name,
-                   nearest ? "; did you mean '" : "; they are called probe.column",
-                   nearest ? nearest : "", nearest ? "'?" : "");
+    return rk_fail(err, RK_EINVALID, "there is no observable '%.64s'%s", name,
+                   rk_hint_of(nearest, "; they are called probe.column").text);
 }
 
 static void warn(void *context, const char *line) {

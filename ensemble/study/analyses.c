@@ -58,9 +58,8 @@ static enum rk_status read_request(const struct rk_yaml *tree, const struct rk_y
     const struct rk_piece *piece = rk_registry_find(&rk_analysis_registry, name);
     if (!piece) {
         const char *nearest = rk_registry_nearest(&rk_analysis_registry, name);
-        return rk_yaml_wrong(tree, place, err, "there is no analysis '%.64s'%s%s%s", name,
-                             nearest ? "; did you mean '" : "; 'reckon describe' lists them",
-                             nearest ? nearest : "", nearest ? "'?" : "");
+        return rk_yaml_wrong(tree, place, err, "there is no analysis '%.64s'%s", name,
+                             rk_hint_of(nearest, "; 'reckon describe' lists them").text);
     }
     request->analysis = (const struct rk_analysis *)piece;
     const struct rk_param_table *table = request->analysis->params;

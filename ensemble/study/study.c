@@ -66,12 +66,10 @@ static enum rk_status check_keys(const struct rk_yaml *tree, struct rk_error *er
         }
         if (!known) {
             const char *nearest = rk_nearest_name(n->key, KEYS, key_name, keys);
-            return rk_yaml_wrong(tree, n->key_place, err, "a study has no key '%.64s'; %s%s%s",
-                                 n->key,
-                                 nearest ? "did you mean '"
-                                         : "it may have study, case, seed, replicas, base, points, "
-                                           "analyses",
-                                 nearest ? nearest : "", nearest ? "'?" : "");
+            return rk_yaml_wrong(tree, n->key_place, err, "a study has no key '%.64s'%s", n->key,
+                                 rk_hint_of(nearest, "; it may have study, case, seed, replicas, "
+                                                     "base, points, analyses")
+                                     .text);
         }
     }
     return RK_OK;
@@ -117,9 +115,8 @@ static enum rk_status read_case(const struct rk_yaml *tree, struct rk_study *stu
     const struct rk_piece *piece = rk_registry_find(&rk_case_registry, node->text);
     if (!piece) {
         const char *nearest = rk_registry_nearest(&rk_case_registry, node->text);
-        return rk_yaml_wrong(tree, node->place, err, "there is no case '%.64s'%s%s%s", node->text,
-                             nearest ? "; did you mean '" : "; 'reckon describe' lists them",
-                             nearest ? nearest : "", nearest ? "'?" : "");
+        return rk_yaml_wrong(tree, node->place, err, "there is no case '%.64s'%s", node->text,
+                             rk_hint_of(nearest, "; 'reckon describe' lists them").text);
     }
     study->scene = (const struct rk_case *)piece;
     return RK_OK;
