@@ -223,3 +223,12 @@ void rk_param_text(struct rk_param_ref ref, const void *values, char text[RK_PAR
         break;
     }
 }
+
+struct rk_param_line rk_param_line(const struct rk_param_table *table, size_t i,
+                                   const void *values) {
+    struct rk_param_line line;
+    struct rk_param_ref ref = rk_param_at(table, i);
+    rk_param_path(ref, line.path);
+    rk_param_text(ref, values, line.text);
+    return line;
+}

@@ -21,13 +21,7 @@ static void write_point(struct rk_h5 *h5, hid_t points, const struct rk_study *s
                         const struct rk_point *point) {
     hid_t group = rk_h5_group(h5, points, point->name);
     rk_h5_note_value(h5, group, "key", RK_H5_COUNT, 0, &point->key);
-    for (size_t i = 0; i < rk_param_total(study->scene->params); i++) {
-        struct rk_param_ref ref = rk_param_at(study->scene->params, i);
-        char path[RK_PARAM_PATH], text[RK_PARAM_TEXT];
-        rk_param_path(ref, path);
-        rk_param_text(ref, point->params, text);
-        rk_h5_note(h5, group, path, text);
-    }
+    rk_provenance_notes(h5, group, study->scene->params, point->params);
     rk_h5_release(h5, group);
 }
 

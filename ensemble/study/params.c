@@ -117,13 +117,9 @@ void rk_study_write_canonical(const struct rk_param_table *table, const void *va
                               const char *skip, FILE *out) {
     size_t total = rk_param_total(table);
     for (size_t i = 0; i < total; i++) {
-        struct rk_param_ref ref = rk_param_at(table, i);
-        if (skip && strcmp(ref.group->prefix, skip) == 0) {
-            continue;
+        if (!skip || strcmp(rk_param_at(table, i).group->prefix, skip) != 0) {
+            struct rk_param_line line = rk_param_line(table, i, values);
+            fprintf(out, "%s = %s\n", line.path, line.text);
         }
-        char path[RK_PARAM_PATH], text[RK_PARAM_TEXT];
-        rk_param_path(ref, path);
-        rk_param_text(ref, values, text);
-        fprintf(out, "%s = %s\n", path, text);
     }
 }
