@@ -77,10 +77,7 @@ enum rk_status rk_plan_file_match(const char *folder, const struct rk_plan *plan
                        folder, why.message);
     }
     if (status != RK_OK) {
-        if (err) {
-            *err = why;
-        }
-        return status;
+        return rk_fail_as(err, &why);
     }
     if (memcmp(&found.origin, &expected.origin, sizeof found.origin) != 0) {
         return rk_fail(err, RK_ECONFLICT,

@@ -49,8 +49,8 @@ static enum rk_status read_request(const struct rk_yaml *tree, const struct rk_y
                                    const struct rk_study *study, struct rk_request *request,
                                    struct rk_error *err) {
     const char *name = NULL;
-    struct rk_yaml_place place;
-    const struct rk_yaml_node *map;
+    struct rk_yaml_place place = node->place;
+    const struct rk_yaml_node *map = NULL;
     enum rk_status status = entry(tree, node, &name, &place, &map, err);
     if (status != RK_OK) {
         return status;
@@ -75,8 +75,7 @@ static enum rk_status read_request(const struct rk_yaml *tree, const struct rk_y
         status = check_request(study, request, err);
         if (status != RK_OK && err) {
             const struct rk_yaml_node *at = rk_study_find_param(tree, map, err->subject);
-            place = at ? at->place : place;
-            rk_error_locate(err, "%s:%zu:%zu", tree->name, place.line, place.column);
+            rk_yaml_locate(tree, at ? at->place : place, err);
         }
     }
     return status;

@@ -40,8 +40,7 @@ static enum rk_status set_one(const struct setter *s, const struct rk_yaml_node 
     enum rk_status status = rk_param_set(s->table, s->values, path, node->text, s->err);
     bool known = rk_param_find(s->table, path).row != NULL;
     if (status != RK_OK) {
-        struct rk_yaml_place place = known ? node->place : node->key_place;
-        rk_error_locate(s->err, "%s:%zu:%zu", s->tree->name, place.line, place.column);
+        rk_yaml_locate(s->tree, known ? node->place : node->key_place, s->err);
         return status;
     }
     size_t i = index_of(s->table, path);
