@@ -16,6 +16,7 @@
 struct rk_store {
     struct rk_path folder;
     int lock;
+    bool held; /* the lock is ours */
 };
 
 const char *rk_store_folder(const struct rk_store *store) {
@@ -80,6 +81,7 @@ static enum rk_status take_lock(struct rk_store *store, struct rk_error *err) {
                        "what is done) and run this again",
                        who, store->folder.text);
     }
+    store->held = true;
     char host[64] = "", line[96];
     gethostname(host, sizeof host - 1); /* for the reader's eye only */
     int length = snprintf(line, sizeof line, "process %ld on %.48s\n", (long)getpid(), host);
@@ -202,6 +204,9 @@ enum rk_status rk_store_open(const char *folder, const struct rk_plan *plan, str
 void rk_store_close(struct rk_store *store) {
     if (store) {
         if (store->lock >= 0) {
+            /* A folder that nobody is at work in says nothing of who was. */
+            int ignored = store->held ? ftruncate(store->lock, 0) : 0;
+            (void)ignored;
             close(store->lock);
         }
         free(store);
