@@ -4,22 +4,9 @@
 #include "ensemble/store.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-static void __attribute__((format(printf, 2, 3)))
-tell(const struct rk_notice *notice, const char *format, ...) {
-    char line[900];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(line, sizeof line, format, arguments);
-    va_end(arguments);
-    if (notice && notice->say) {
-        notice->say(notice->context, line);
-    }
-}
 
 void rk_gathered_clear(struct rk_gathered *g) {
     free(g->values);
@@ -33,13 +20,14 @@ static void add_run(const char *folder, const struct rk_plan *plan, const struct
     struct rk_observable data = {0};
     struct rk_error err = RK_NO_ERROR;
     if (rk_store_read(folder, plan, run, observable, &data, &err) != RK_OK) {
-        tell(notice, "run %s is left out: %s%s%s", run->id, err.where, err.where[0] ? ": " : "",
-             err.message);
+        rk_notice_say(notice, "run %s is left out: %s%s%s", run->id, err.where,
+                      err.where[0] ? ": " : "", err.message);
         g->missing++;
     } else if (data.samples > g->samples || data.samples < 2 ||
                fabs(data.interval - g->interval) > 1e-9 * g->interval) {
-        tell(notice, "run %s is left out: %zu samples every %g are not what the study asks for",
-             run->id, data.samples, data.interval);
+        rk_notice_say(notice,
+                      "run %s is left out: %zu samples every %g are not what the study asks for",
+                      run->id, data.samples, data.interval);
         g->missing++;
     } else {
         memcpy(g->values + g->done * g->samples, data.values, data.samples * sizeof(double));
