@@ -95,8 +95,7 @@ int rk_command_load_folder(const char *folder, struct rk_study **study);
 enum rk_status rk_command_plan_folder(const char *folder, const struct rk_study *study,
                                       struct rk_plan **plan, struct rk_error *err);
 
-/* Progress and colours are for terminals, and colours not where NO_COLOR is set. */
+/* Progress is for terminals. */
 bool rk_shows_progress(void);
-bool rk_shows_colour(void);
 
 #endif

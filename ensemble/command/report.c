@@ -3,7 +3,6 @@
 
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -48,9 +47,4 @@ void rk_warn(const char *format, ...) {
 
 bool rk_shows_progress(void) {
     return isatty(STDERR_FILENO) == 1;
-}
-
-bool rk_shows_colour(void) {
-    const char *never = getenv("NO_COLOR");
-    return isatty(STDERR_FILENO) == 1 && (!never || never[0] == '\0');
 }

@@ -16,8 +16,9 @@ static const char *key_name(const void *list, size_t i) {
     return ((const char *const *)list)[i];
 }
 
-enum rk_status rk_study_expect_text(const struct rk_yaml *tree, const struct rk_yaml_node *node,
-                                    struct rk_error *err) {
+/* A value that must be a single text. */
+static enum rk_status expect_text(const struct rk_yaml *tree, const struct rk_yaml_node *node,
+                                  struct rk_error *err) {
     if (node->kind == RK_YAML_TEXT) {
         return RK_OK;
     }
@@ -27,7 +28,7 @@ enum rk_status rk_study_expect_text(const struct rk_yaml *tree, const struct rk_
 
 enum rk_status rk_study_copy_name(const struct rk_yaml *tree, const struct rk_yaml_node *node,
                                   const char *what, char name[RK_NAME], struct rk_error *err) {
-    enum rk_status status = rk_study_expect_text(tree, node, err);
+    enum rk_status status = expect_text(tree, node, err);
     if (status != RK_OK) {
         return status;
     }
@@ -82,7 +83,7 @@ static enum rk_status read_number(const struct rk_yaml *tree, const char *key, u
     if (!node) {
         return RK_OK;
     }
-    enum rk_status status = rk_study_expect_text(tree, node, err);
+    enum rk_status status = expect_text(tree, node, err);
     if (status != RK_OK) {
         return status;
     }
@@ -108,7 +109,7 @@ static enum rk_status read_case(const struct rk_yaml *tree, struct rk_study *stu
                              "the study names no case; add a line 'case: NAME' ('reckon describe' "
                              "lists the cases)");
     }
-    enum rk_status status = rk_study_expect_text(tree, node, err);
+    enum rk_status status = expect_text(tree, node, err);
     if (status != RK_OK) {
         return status;
     }
