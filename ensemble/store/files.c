@@ -40,7 +40,7 @@ enum rk_status rk_path_of_run(struct rk_path *path, const char *folder, const ch
     return rk_path_set(path, err, "%s/runs/%s%s", folder, id, suffix);
 }
 
-enum rk_status rk_fail_system(struct rk_error *err, const char *verb, const char *path) {
+enum rk_status(rk_fail_system)(struct rk_error *err, const char *verb, const char *path) {
     int reason = errno;
     return rk_fail(err, RK_EIO, "cannot %s '%s': %s", verb, path, strerror(reason));
 }
