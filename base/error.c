@@ -25,7 +25,7 @@ static void fill(struct rk_error *err, enum rk_status status, const char *subjec
     vsnprintf(err->message, sizeof err->message, format, arguments);
 }
 
-enum rk_status rk_fail(struct rk_error *err, enum rk_status status, const char *format, ...) {
+enum rk_status(rk_fail)(struct rk_error *err, enum rk_status status, const char *format, ...) {
     if (err) {
         va_list arguments;
         va_start(arguments, format);
@@ -35,8 +35,8 @@ enum rk_status rk_fail(struct rk_error *err, enum rk_status status, const char *
     return status;
 }
 
-enum rk_status rk_fail_about(struct rk_error *err, enum rk_status status, const char *subject,
-                             const char *format, ...) {
+enum rk_status(rk_fail_about)(struct rk_error *err, enum rk_status status, const char *subject,
+                              const char *format, ...) {
     if (err) {
         va_list arguments;
         va_start(arguments, format);
@@ -44,6 +44,13 @@ enum rk_status rk_fail_about(struct rk_error *err, enum rk_status status, const 
         va_end(arguments);
     }
     return status;
+}
+
+enum rk_status rk_fail_as(struct rk_error *err, const struct rk_error *why) {
+    if (err) {
+        *err = *why;
+    }
+    return why->status;
 }
 
 void rk_error_locate(struct rk_error *err, const char *format, ...) {

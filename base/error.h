@@ -51,8 +51,18 @@ enum rk_status rk_fail(struct rk_error *err, enum rk_status status, const char *
 enum rk_status rk_fail_about(struct rk_error *err, enum rk_status status, const char *subject,
                              const char *format, ...) __attribute__((format(printf, 4, 5)));
 
+/* Hand on what another call reported: `*err = *why` (if `err` is not NULL), returning its status.
+ */
+enum rk_status rk_fail_as(struct rk_error *err, const struct rk_error *why);
+
 /* Add a place to an error that has none yet. */
 void rk_error_locate(struct rk_error *err, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+/* The static analyser does not look into another file: tell it that the status comes back. */
+#ifdef __clang_analyzer__
+#define rk_fail(err, status, ...) ((rk_fail)(err, status, __VA_ARGS__), (status))
+#define rk_fail_about(err, status, ...) ((rk_fail_about)(err, status, __VA_ARGS__), (status))
+#endif
 
 #endif

@@ -1,6 +1,6 @@
 #include "base/param.h"
+#include "base/number.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -115,10 +115,7 @@ static bool in_range(const struct rk_param *row, double x) {
 }
 
 static bool parse_real(const struct rk_param *row, const char *text, double *x) {
-    char *end;
-    errno = 0;
-    *x = strtod(text, &end);
-    return end != text && *end == '\0' && isfinite(*x) && in_range(row, *x);
+    return rk_number_read(text, x) && in_range(row, *x);
 }
 
 /* Counts may be written 25000 or 2.5e4, but not 2.5 and not above 2^53. */
@@ -149,7 +146,7 @@ static const char *path_name(const void *list, size_t i) {
 static enum rk_status unknown(const struct rk_param_table *table, const char *path,
                               struct rk_error *err) {
     size_t total = rk_param_total(table);
-    char(*paths)[RK_PARAM_PATH] = calloc(total, sizeof *paths);
+    char(*paths)[RK_PARAM_PATH] = calloc(total + 1, sizeof *paths);
     const char *nearest = NULL;
     for (size_t i = 0; paths && i < total; i++) {
         rk_param_path(rk_param_at(table, i), paths[i]);
@@ -157,8 +154,8 @@ static enum rk_status unknown(const struct rk_param_table *table, const char *pa
     if (paths) {
         nearest = rk_nearest_name(path, total, path_name, paths);
     }
-    rk_fail_about(err, RK_EINVALID, path, "there is no parameter '%.96s'%s%s%s", path,
-                  nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    rk_fail_about(err, RK_EINVALID, path, "there is no parameter '%.96s'%s", path,
+                  rk_hint_of(nearest, "").text);
     free(paths);
     return RK_EINVALID;
 }
@@ -205,21 +202,15 @@ enum rk_status rk_param_set(const struct rk_param_table *table, void *values, co
     return good ? RK_OK : out_of_range(ref, path, text, err);
 }
 
-/* The fewest digits that read back to the same double, but 400 rather than 4e+02. */
-static void shortest(double x, char text[RK_PARAM_TEXT]) {
-    for (int digits = 6; digits <= 17; digits++) {
-        snprintf(text, RK_PARAM_TEXT, "%.*g", digits, x);
-        if (strtod(text, NULL) == x) {
-            return;
-        }
-    }
-}
+/* 400 rather than 4e+02. Part of the text that identities are made of: never change it. */
+static const int least_digits = 6;
+_Static_assert((int)RK_PARAM_TEXT >= (int)RK_NUMBER_TEXT, "a number has room");
 
 void rk_param_text(struct rk_param_ref ref, const void *values, char text[RK_PARAM_TEXT]) {
     const void *value = (const char *)values + ref.group->offset + ref.row->offset;
     switch (ref.row->type) {
     case RK_PARAM_REAL:
-        shortest(*(const double *)value, text);
+        rk_number_text(*(const double *)value, least_digits, text);
         break;
     case RK_PARAM_COUNT:
         snprintf(text, RK_PARAM_TEXT, "%llu", (unsigned long long)*(const uint64_t *)value);
@@ -231,4 +222,13 @@ void rk_param_text(struct rk_param_ref ref, const void *values, char text[RK_PAR
         snprintf(text, RK_PARAM_TEXT, "%s", (*(const struct rk_piece *const *)value)->name);
         break;
     }
+}
+
+struct rk_param_line rk_param_line(const struct rk_param_table *table, size_t i,
+                                   const void *values) {
+    struct rk_param_line line;
+    struct rk_param_ref ref = rk_param_at(table, i);
+    rk_param_path(ref, line.path);
+    rk_param_text(ref, values, line.text);
+    return line;
 }

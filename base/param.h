@@ -81,6 +81,13 @@ enum rk_status rk_param_set(const struct rk_param_table *table, void *values, co
 /* Write a value as text that rk_param_set reads back to the same bits. */
 void rk_param_text(struct rk_param_ref ref, const void *values, char text[RK_PARAM_TEXT]);
 
+/* Path and text of the i-th parameter. */
+struct rk_param_line {
+    char path[RK_PARAM_PATH], text[RK_PARAM_TEXT];
+};
+struct rk_param_line rk_param_line(const struct rk_param_table *table, size_t i,
+                                   const void *values);
+
 /* Write the range, or the list of choices, in words: "above 0, at most 1", "one of: a, b". */
 void rk_param_range(const struct rk_param *row, char *text, size_t size);
 

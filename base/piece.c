@@ -1,5 +1,6 @@
 #include "base/piece.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { LONGEST_NAME = 96 };
@@ -60,4 +61,14 @@ static const char *piece_name(const void *list, size_t i) {
 
 const char *rk_registry_nearest(const struct rk_registry *registry, const char *name) {
     return rk_nearest_name(name, registry->count, piece_name, registry);
+}
+
+struct rk_hint rk_hint_of(const char *nearest, const char *otherwise) {
+    struct rk_hint hint;
+    if (nearest) {
+        snprintf(hint.text, sizeof hint.text, "; did you mean '%.96s'?", nearest);
+    } else {
+        snprintf(hint.text, sizeof hint.text, "%s", otherwise);
+    }
+    return hint;
 }

@@ -33,4 +33,11 @@ const char *rk_nearest_name(const char *name, size_t count,
 /* The same over a registry. */
 const char *rk_registry_nearest(const struct rk_registry *registry, const char *name);
 
+/* The end of a sentence about a name that is not known: "; did you mean 'nearest'?", or `otherwise`
+ * when nearest is NULL. A value: use its text in the same expression. */
+struct rk_hint {
+    char text[160];
+};
+struct rk_hint rk_hint_of(const char *nearest, const char *otherwise);
+
 #endif

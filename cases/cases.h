@@ -35,6 +35,12 @@ struct rk_schedule {
     double stable_dt;     /* the largest stable step, to compare dt with */
 };
 
+/* What a run of that schedule comes to: whole periods; samples, the first at step 0; frames, the
+ * first and the last step always being among them. */
+uint64_t rk_schedule_periods(const struct rk_schedule *schedule);
+uint64_t rk_schedule_samples(const struct rk_schedule *schedule);
+uint64_t rk_schedule_frames(const struct rk_schedule *schedule);
+
 /* What the preparation of a bed came to. */
 struct rk_preparation {
     uint64_t steps;

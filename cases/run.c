@@ -62,3 +62,19 @@ struct rk_schedule rk_run_schedule(const struct rk_run_spec *run, double period,
         .frame_every = run->frames * steps_per_period,
     };
 }
+
+uint64_t rk_schedule_periods(const struct rk_schedule *schedule) {
+    return schedule->steps / schedule->sample_every / schedule->samples_per_period;
+}
+
+uint64_t rk_schedule_samples(const struct rk_schedule *schedule) {
+    return schedule->steps / schedule->sample_every + 1;
+}
+
+uint64_t rk_schedule_frames(const struct rk_schedule *schedule) {
+    if (schedule->frame_every == 0) {
+        return schedule->steps > 0 ? 2 : 1;
+    }
+    bool last = schedule->steps % schedule->frame_every != 0;
+    return schedule->steps / schedule->frame_every + 1 + last;
+}

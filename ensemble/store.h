@@ -41,12 +41,14 @@ bool rk_store_busy(const char *folder, char who[96]);
 enum rk_run_state { RK_RUN_WAITING, RK_RUN_STARTED, RK_RUN_DONE, RK_RUN_FAILED };
 
 /* What the folder says of a run. DONE and FAILED both have a complete file; FAILED is a run that
- * went numerically wrong, its reason is kept in the file. A damaged file counts as WAITING; what
- * is looked at is its seal and its length (seal.h), while rk_store_read and the runner check every
- * byte. `reason` (NULL if not wanted) gets the reason of a FAILED run, "" otherwise. */
-enum rk_run_state rk_store_run_state(const char *folder, const struct rk_run *run);
-enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_run *run,
-                                      char reason[512]);
+ * went numerically wrong, its reason is kept in the file. A damaged file, or one of another study,
+ * counts as WAITING; what is looked at is its seal and its length (seal.h), while rk_store_read and
+ * the runner check every byte. `reason` (NULL if not wanted) gets the reason of a FAILED run, ""
+ * otherwise. */
+enum rk_run_state rk_store_run_state(const char *folder, const struct rk_plan *plan,
+                                     const struct rk_run *run);
+enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_plan *plan,
+                                      const struct rk_run *run, char reason[512]);
 
 /* Finished runs in the folder that the plan does not ask for (any more): more replicas. */
 size_t rk_store_surplus(const char *folder, const struct rk_plan *plan);
@@ -58,9 +60,11 @@ struct rk_observable {
     size_t samples;
     double interval;
 };
-/* `name` is "probe.column", "intruder.height". RK_EIO: no such file; RK_EFORMAT: damaged;
+/* `name` is "probe.column", "intruder.height". RK_EIO: no such file; RK_EFORMAT: damaged, or
+ * of another study;
  * RK_EINVALID: no such observable; RK_EREFUSED: the run failed before anything was recorded. */
-enum rk_status rk_store_read(const char *folder, const struct rk_run *run, const char *name,
-                             struct rk_observable *out, struct rk_error *err);
+enum rk_status rk_store_read(const char *folder, const struct rk_plan *plan,
+                             const struct rk_run *run, const char *name, struct rk_observable *out,
+                             struct rk_error *err);
 
 #endif

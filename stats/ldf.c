@@ -10,9 +10,9 @@
 enum { LEAST_UNITS = 5 };
 
 static enum rk_status check_options(const struct rk_ldf_options *options, struct rk_error *err) {
-    if (!(options->level >= 0.5 && options->level <= 0.999)) {
-        return rk_fail_about(err, RK_EINVALID, "level", "%g is not a level from 0.5 to 0.999",
-                             options->level);
+    enum rk_status status = rk_check_level(options->level, err);
+    if (status != RK_OK) {
+        return status;
     }
     if (options->bootstrap < 100 || options->bootstrap > 1000000) {
         return rk_fail_about(err, RK_EINVALID, "bootstrap",

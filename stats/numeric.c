@@ -130,6 +130,14 @@ double rk_root(double (*f)(double x, void *context), void *context, double low, 
     return solver.root;
 }
 
+enum rk_status rk_check_level(double level, struct rk_error *err) {
+    if (!(level >= RK_LEVEL_LOW && level <= RK_LEVEL_HIGH)) {
+        return rk_fail_about(err, RK_EINVALID, "level", "%g is not a level from %g to %g", level,
+                             RK_LEVEL_LOW, RK_LEVEL_HIGH);
+    }
+    return RK_OK;
+}
+
 struct rk_interval rk_weighted_interval(const double *values, const double *weights, size_t count,
                                         double level, double *deviation) {
     double scale = 0, total = 0, squares = 0;

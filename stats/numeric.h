@@ -25,6 +25,9 @@ double rk_student_quantile(double p, double nu);
  * rounding. Returns NaN when it does not change sign. */
 double rk_root(double (*f)(double x, void *context), void *context, double low, double high);
 
+/* RK_EINVALID about "level" when an interval cannot be asked at that level. */
+enum rk_status rk_check_level(double level, struct rk_error *err);
+
 /* A mean of values with weights >= 0 and its t interval, as documented at rk_rate_estimate.
  * `deviation` gets the weighted standard deviation of the values. Needs two positive weights. */
 struct rk_interval rk_weighted_interval(const double *values, const double *weights, size_t count,

@@ -18,14 +18,6 @@ struct units {
     size_t count;
 };
 
-static enum rk_status check_options(const struct rk_rate_options *options, struct rk_error *err) {
-    if (!(options->level >= 0.5 && options->level <= 0.999)) {
-        return rk_fail_about(err, RK_EINVALID, "level", "%g is not a level from 0.5 to 0.999",
-                             options->level);
-    }
-    return RK_OK;
-}
-
 static enum rk_status finite_units(const struct units *units, struct rk_error *err) {
     for (size_t u = 0; u < units->count; u++) {
         if (!isfinite(units->rate[u])) {
@@ -135,7 +127,7 @@ enum rk_status rk_rate_estimate(struct rk_rate *out, const struct rk_series *ser
                                 struct rk_error *err) {
     *out = (struct rk_rate){
         .rate = {NAN, NAN, NAN, 0, options->level}, .deviation = NAN, .correlation_time = NAN};
-    enum rk_status status = check_options(options, err);
+    enum rk_status status = rk_check_level(options->level, err);
     if (status == RK_OK) {
         status = rk_series_check(series, mode, options->from, options->to, err);
     }

@@ -18,7 +18,7 @@ const char *rk_verdict_name(enum rk_verdict verdict) {
     return "refused";
 }
 
-enum rk_status rk_series_shape(const struct rk_series *series, struct rk_error *err) {
+static enum rk_status check_shape(const struct rk_series *series, struct rk_error *err) {
     if (!series->data || series->replicas == 0 || series->samples == 0) {
         return rk_fail(err, RK_EINVALID, "there are no data: %zu replicas of %zu samples",
                        series->replicas, series->samples);
@@ -59,7 +59,7 @@ size_t rk_series_span(const struct rk_series *series, enum rk_series_mode mode, 
 
 enum rk_status rk_series_check(const struct rk_series *series, enum rk_series_mode mode,
                                size_t from, size_t to, struct rk_error *err) {
-    enum rk_status status = rk_series_shape(series, err);
+    enum rk_status status = check_shape(series, err);
     if (status != RK_OK) {
         return status;
     }
@@ -96,6 +96,7 @@ double rk_series_average(const struct rk_series *series, enum rk_series_mode mod
     return isfinite(average) ? average : x[count] / duration - x[0] / duration;
 }
 
+/* The first replica with an average too large for a double; their number when there is none. */
 static size_t fill_windows(struct rk_windows *windows, const struct rk_series *series,
                            enum rk_series_mode mode, size_t window, size_t from) {
     for (size_t r = 0; r < series->replicas; r++) {
@@ -135,7 +136,7 @@ enum rk_status rk_windows_create(struct rk_windows **out, const struct rk_series
     }
     windows->count = first[series->replicas];
     windows->values = rk_array_create(windows->count, sizeof *windows->values);
-    size_t bad = series->replicas;
+    size_t bad;
     if (windows->count == 0) {
         status = rk_fail_about(err, RK_EREFUSED, "window",
                                "no replica holds a whole window of %zu samples after sample %zu",

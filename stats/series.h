@@ -4,9 +4,6 @@
 
 #include "stats/stats.h"
 
-/* The shape of a series: RK_EINVALID with the reason when it cannot be used. */
-enum rk_status rk_series_shape(const struct rk_series *series, struct rk_error *err);
-
 /* Samples of replica r. */
 size_t rk_series_length(const struct rk_series *series, size_t r);
 

@@ -51,6 +51,10 @@ enum rk_series_mode {
     RK_SERIES_INTEGRAL, /* sample i is its time integral at time i, e.g. a height for a velocity */
 };
 
+/* The levels that an interval may be asked at. */
+#define RK_LEVEL_LOW 0.5
+#define RK_LEVEL_HIGH 0.999
+
 /* An estimate with its two-sided interval at `level` and its effective sample size. */
 struct rk_interval {
     double estimate, low, high;

@@ -71,7 +71,7 @@ double rk_tilt_extreme(const struct rk_tilt *tilt, double theta) {
     return theta >= 0 ? tilt->high : tilt->low;
 }
 
-struct rk_tilt_sums rk_tilt_unit_sums(const struct rk_tilt *tilt, size_t unit, double theta) {
+static struct rk_tilt_sums unit_sums(const struct rk_tilt *tilt, size_t unit, double theta) {
     double extreme = rk_tilt_extreme(tilt, theta);
     struct rk_tilt_sums sums = {0, 0, 0, 0};
     for (size_t j = tilt->first[unit]; j < tilt->first[unit + 1]; j++) {
@@ -89,7 +89,7 @@ struct rk_tilt_point rk_tilt_at(const struct rk_tilt *tilt, double theta,
     struct rk_tilt_sums all = {0, 0, 0, 0};
     double squares = 0;
     for (size_t u = 0; u < tilt->units; u++) {
-        struct rk_tilt_sums unit = rk_tilt_unit_sums(tilt, u, theta);
+        struct rk_tilt_sums unit = unit_sums(tilt, u, theta);
         if (sums) {
             sums[u] = unit;
         }

@@ -51,8 +51,6 @@ void rk_tilt_clear(struct rk_tilt *tilt);
 /* The extreme that sums at theta are taken about. */
 double rk_tilt_extreme(const struct rk_tilt *tilt, double theta);
 
-struct rk_tilt_sums rk_tilt_unit_sums(const struct rk_tilt *tilt, size_t unit, double theta);
-
 /* The point at theta; `sums`, if not NULL, gets the units' sums [units]. */
 struct rk_tilt_point rk_tilt_at(const struct rk_tilt *tilt, double theta,
                                 struct rk_tilt_sums *sums);

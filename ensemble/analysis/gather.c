@@ -4,22 +4,9 @@
 #include "ensemble/store.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-static void __attribute__((format(printf, 2, 3)))
-tell(const struct rk_notice *notice, const char *format, ...) {
-    char line[900];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(line, sizeof line, format, arguments);
-    va_end(arguments);
-    if (notice && notice->say) {
-        notice->say(notice->context, line);
-    }
-}
 
 void rk_gathered_clear(struct rk_gathered *g) {
     free(g->values);
@@ -28,18 +15,19 @@ void rk_gathered_clear(struct rk_gathered *g) {
 }
 
 /* Add one run; one that cannot be read, or does not fit its schedule, is missing. */
-static void add_run(const char *folder, const struct rk_run *run, const char *observable,
-                    const struct rk_notice *notice, struct rk_gathered *g) {
+static void add_run(const char *folder, const struct rk_plan *plan, const struct rk_run *run,
+                    const char *observable, const struct rk_notice *notice, struct rk_gathered *g) {
     struct rk_observable data = {0};
     struct rk_error err = RK_NO_ERROR;
-    if (rk_store_read(folder, run, observable, &data, &err) != RK_OK) {
-        tell(notice, "run %s is left out: %s%s%s", run->id, err.where, err.where[0] ? ": " : "",
-             err.message);
+    if (rk_store_read(folder, plan, run, observable, &data, &err) != RK_OK) {
+        rk_notice_say(notice, "run %s is left out: %s%s%s", run->id, err.where,
+                      err.where[0] ? ": " : "", err.message);
         g->missing++;
     } else if (data.samples > g->samples || data.samples < 2 ||
                fabs(data.interval - g->interval) > 1e-9 * g->interval) {
-        tell(notice, "run %s is left out: %zu samples every %g are not what the study asks for",
-             run->id, data.samples, data.interval);
+        rk_notice_say(notice,
+                      "run %s is left out: %zu samples every %g are not what the study asks for",
+                      run->id, data.samples, data.interval);
         g->missing++;
     } else {
         memcpy(g->values + g->done * g->samples, data.values, data.samples * sizeof(double));
@@ -56,9 +44,9 @@ enum rk_status rk_gather(const char *folder, const struct rk_plan *plan, size_t 
     const struct rk_run *runs = plan->runs + point * (size_t)study->replicas;
     size_t replicas = (size_t)study->replicas, done = 0;
     *g = (struct rk_gathered){.interval = (double)schedule.sample_every * schedule.dt,
-                              .samples = schedule.steps / schedule.sample_every + 1};
+                              .samples = rk_schedule_samples(&schedule)};
     for (size_t r = 0; r < replicas; r++) {
-        done += rk_store_run_state(folder, &runs[r]) == RK_RUN_DONE;
+        done += rk_store_run_state(folder, plan, &runs[r]) == RK_RUN_DONE;
     }
     if (done > 0 && g->samples > SIZE_MAX / sizeof(double) / done) {
         return rk_fail(err, RK_EMEMORY, "the samples of point %s do not fit into memory",
@@ -71,9 +59,9 @@ enum rk_status rk_gather(const char *folder, const struct rk_plan *plan, size_t 
                        g->samples, study->points[point].name);
     }
     for (size_t r = 0; r < replicas; r++) {
-        enum rk_run_state state = rk_store_run_state(folder, &runs[r]);
+        enum rk_run_state state = rk_store_run_state(folder, plan, &runs[r]);
         if (state == RK_RUN_DONE && g->done < done) {
-            add_run(folder, &runs[r], observable, notice, g);
+            add_run(folder, plan, &runs[r], observable, notice, g);
         } else if (state == RK_RUN_FAILED) {
             g->failed++;
         } else {

@@ -1,6 +1,7 @@
 #include "ensemble/analysis/json.h"
 
-#include "ensemble/analysis/number.h"
+#include "base/number.h"
+#include "ensemble/analysis/result.h"
 
 #include <math.h>
 
@@ -51,7 +52,7 @@ static void put_text(FILE *out, const char *text) {
 
 static void put_number(FILE *out, double x) {
     char text[RK_NUMBER_TEXT];
-    fputs(isfinite(x) ? rk_number_text(x, text) : "null", out);
+    fputs(isfinite(x) ? rk_number_text(x, RK_RESULT_DIGITS, text) : "null", out);
 }
 
 /* Comma, line break, indentation and key before an entry. */

@@ -15,7 +15,7 @@ static const struct rk_param_table table = {groups, 1, sizeof(struct rk_ldf_opti
 static enum rk_status check(const void *params, const struct rk_schedule *schedule,
                             struct rk_error *err) {
     const struct rk_ldf_options *p = params;
-    uint64_t periods = rk_analysis_periods(schedule);
+    uint64_t periods = rk_schedule_periods(schedule);
     enum rk_status status = rk_analysis_check_span(p->from, p->to, schedule, err);
     if (status != RK_OK) {
         return status;
@@ -37,20 +37,13 @@ static enum rk_status check(const void *params, const struct rk_schedule *schedu
     return RK_OK;
 }
 
-static void fill_interval(struct rk_result *result, const char *const names[3], const char *unit,
-                          const char *doc, const struct rk_interval *x) {
-    rk_result_scalar(result, names[0], unit, doc, x->estimate);
-    rk_result_scalar(result, names[1], unit, "lower end of its interval", x->low);
-    rk_result_scalar(result, names[2], unit, "upper end of its interval", x->high);
-}
-
 static void fill_scalars(struct rk_result *result, const struct rk_ldf *ldf,
                          const struct rk_ldf_units *units) {
     static const char *const minimum[] = {"minimum", "minimum_low", "minimum_high"};
     static const char *const curvature[] = {"curvature", "curvature_low", "curvature_high"};
     static const char *const at_zero[] = {"at_zero", "at_zero_low", "at_zero_high"};
-    fill_interval(result, minimum, units->value, "where the rate function is 0: the mean",
-                  &ldf->minimum);
+    rk_analysis_add_interval(result, minimum, units->value,
+                             "where the rate function is 0: the mean", &ldf->minimum, 1);
     rk_result_scalar(result, "interval_low", units->value,
                      "the rate function has intervals from here", ldf->interval_low);
     rk_result_scalar(result, "interval_high", units->value, "to here", ldf->interval_high);
@@ -58,11 +51,12 @@ static void fill_scalars(struct rk_result *result, const struct rk_ldf *ldf,
                      "it is estimated, if without interval, from here", ldf->point_low);
     rk_result_scalar(result, "point_high", units->value, "to here; beyond it is refused",
                      ldf->point_high);
-    fill_interval(result, at_zero, units->per_time,
-                  "the rate function at 0; nan where 0 is beyond what can be estimated",
-                  &ldf->at_zero);
-    fill_interval(result, curvature, "", "second derivative of lambda at k = 0: tau times variance",
-                  &ldf->curvature);
+    rk_analysis_add_interval(result, at_zero, units->per_time,
+                             "the rate function at 0; nan where 0 is beyond what can be estimated",
+                             &ldf->at_zero, 1);
+    rk_analysis_add_interval(result, curvature, "",
+                             "second derivative of lambda at k = 0: tau times variance",
+                             &ldf->curvature, 1);
     rk_result_scalar(result, "level", "", "probability that an interval is to cover",
                      ldf->minimum.level);
     rk_result_scalar(result, "tau", units->time, "length of a window", ldf->tau);

@@ -8,6 +8,7 @@
 
 #include <stdio.h>
 
+struct rk_interval;
 struct rk_series;
 
 /* The height of the intruder above the plate in the runs of one point that are done. */
@@ -38,8 +39,11 @@ struct rk_analysis_methods {
 
 extern const struct rk_analysis rk_analysis_rise, rk_analysis_ldf;
 
-/* Whole periods in a run. */
-uint64_t rk_analysis_periods(const struct rk_schedule *schedule);
+/* Add an interval as three scalars: the estimate as names[0], its ends as names[1] and names[2],
+ * each times `factor`. */
+void rk_analysis_add_interval(struct rk_result *result, const char *const names[3],
+                              const char *unit, const char *doc, const struct rk_interval *x,
+                              double factor);
 
 /* Is [from, to) of periods (to = 0: the end) inside a run? RK_EINVALID about "from" or "to". */
 enum rk_status rk_analysis_check_span(uint64_t from, uint64_t to,

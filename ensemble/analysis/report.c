@@ -3,8 +3,20 @@
 #include "ensemble/analysis/private.h"
 #include "stats/stats.h"
 
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+
+void rk_notice_say(const struct rk_notice *notice, const char *format, ...) {
+    if (notice && notice->say) {
+        char line[900];
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(line, sizeof line, format, arguments);
+        va_end(arguments);
+        notice->say(notice->context, line);
+    }
+}
 
 /* A refusal is an outcome; only a shortage of memory ends the whole report. */
 static enum rk_status estimate(const struct rk_plan *plan, size_t p, const struct rk_gathered *g,

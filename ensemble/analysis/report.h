@@ -28,11 +28,13 @@ struct rk_report {
     size_t used; /* runs */
 };
 
-/* Told about what is left out or not drawn. */
+/* Told about what is left out or not drawn. NULL, or without a function, it is not told. */
 struct rk_notice {
     void (*say)(void *context, const char *line);
     void *context;
 };
+void rk_notice_say(const struct rk_notice *notice, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 
 /* One observable of the runs of a point that are done: values[run * samples + i], of which the
  * first lengths[run] are there. */

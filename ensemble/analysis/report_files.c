@@ -59,25 +59,21 @@ static enum rk_status write_file(const char *folder, const char *name, const str
     return status;
 }
 
-static void say(const struct rk_notice *notice, const char *line) {
-    if (notice && notice->say) {
-        notice->say(notice->context, line);
-    }
-}
-
-static enum rk_status draw(const struct page *page, const char *folder,
+static enum rk_status draw(struct page page, const struct rk_picture *picture, const char *folder,
                            const struct rk_notice *notice, struct rk_error *err) {
     char script[RK_NAME + 8];
     struct rk_error trouble = RK_NO_ERROR;
-    snprintf(script, sizeof script, "%s.gp", page->entry->label);
-    enum rk_status status = write_file(folder, script, page, err);
+    page.picture = picture;
+    page.write = write_script;
+    snprintf(script, sizeof script, "%s.gp", picture->name);
+    enum rk_status status = write_file(folder, script, &page, err);
     if (status == RK_OK && rk_plot_run(folder, script, &trouble) != RK_OK) {
-        say(notice, trouble.message);
+        rk_notice_say(notice, "%s", trouble.message);
     }
     return status;
 }
 
-static enum rk_status draw_entry(struct page *page, const char *folder,
+static enum rk_status draw_entry(const struct page *page, const char *folder,
                                  const struct rk_notice *notice, struct rk_error *err) {
     const struct rk_study *study = page->report->plan->study;
     struct rk_panel panels[RK_PANELS_MAX];
@@ -98,14 +94,14 @@ static enum rk_status draw_entry(struct page *page, const char *folder,
         return RK_OK;
     }
     if (count < all) {
-        say(notice, "a picture shows the first eight points only; the tables have them all");
+        rk_notice_say(notice,
+                      "%s.png shows the first %d of %zu points only; the tables have them all",
+                      page->entry->label, (int)RK_PANELS_MAX, all);
     }
     snprintf(title, sizeof title, "%s: %s", study->name,
              page->entry->request->analysis->methods->title);
     struct rk_picture picture = {page->entry->label, title, NULL, panels, count};
-    page->picture = &picture;
-    page->write = write_script;
-    return draw(page, folder, notice, err);
+    return draw(*page, &picture, folder, notice, err);
 }
 
 static enum rk_status write_entry(const struct rk_report *report,

@@ -2,6 +2,7 @@
 #include "ensemble/analysis.h"
 #include "ensemble/store.h"
 #include "ensemble/store/index.h"
+#include "ensemble/store/provenance.h"
 
 static void write_value(struct rk_h5 *h5, hid_t group, const struct rk_value *value) {
     hsize_t count = value->count;
@@ -34,20 +35,14 @@ static void write_entry(struct rk_h5 *h5, hid_t parent, const struct rk_report *
     const struct rk_analysis *analysis = entry->request->analysis;
     hid_t group = rk_h5_group(h5, parent, entry->label);
     rk_h5_note(h5, group, "analysis", analysis->piece.name);
-    for (size_t i = 0; i < rk_param_total(analysis->params); i++) {
-        struct rk_param_ref ref = rk_param_at(analysis->params, i);
-        char path[RK_PARAM_PATH], text[RK_PARAM_TEXT];
-        rk_param_path(ref, path);
-        rk_param_text(ref, entry->request->params, text);
-        rk_h5_note(h5, group, path, text);
-    }
+    rk_provenance_notes(h5, group, analysis->params, entry->request->params);
     for (size_t p = 0; p < report->plan->study->point_count; p++) {
         write_outcome(h5, group, &entry->outcomes[p]);
     }
     rk_h5_release(h5, group);
 }
 
-static void write_report(struct rk_h5 *h5, void *context) {
+static void write_report(struct rk_h5 *h5, const void *context) {
     const struct rk_report *report = context;
     hid_t group = rk_h5_group(h5, h5->file, "analysis");
     for (size_t i = 0; i < report->count; i++) {
@@ -58,7 +53,7 @@ static void write_report(struct rk_h5 *h5, void *context) {
 
 enum rk_status rk_report_index(const struct rk_report *report, const char *folder,
                                struct rk_error *err) {
-    struct rk_index_addition addition = {write_report, (void *)(uintptr_t)report};
+    struct rk_index_addition addition = {write_report, report};
     struct rk_store *store = NULL; /* held so that nobody else writes the index meanwhile */
     enum rk_status status = rk_store_open(folder, report->plan, &store, err);
     if (status == RK_OK) {

@@ -20,11 +20,8 @@ static void print_params(const struct rk_request *request, FILE *out) {
     const struct rk_param_table *table = request->analysis->params;
     size_t total = rk_param_total(table);
     for (size_t i = 0; i < total; i++) {
-        struct rk_param_ref ref = rk_param_at(table, i);
-        char path[RK_PARAM_PATH], text[RK_PARAM_TEXT];
-        rk_param_path(ref, path);
-        rk_param_text(ref, request->params, text);
-        fprintf(out, "%s%s %s", i ? ", " : "", path, text);
+        struct rk_param_line line = rk_param_line(table, i, request->params);
+        fprintf(out, "%s%s %s", i ? ", " : "", line.path, line.text);
     }
 }
 
@@ -84,10 +81,8 @@ static void write_entry(const struct rk_report *report, const struct rk_report_e
     rk_json_text(json, "title", entry->request->analysis->methods->title);
     rk_json_open_map(json, "parameters");
     for (size_t i = 0; i < total; i++) {
-        char path[RK_PARAM_PATH], text[RK_PARAM_TEXT];
-        rk_param_path(rk_param_at(table, i), path);
-        rk_param_text(rk_param_at(table, i), entry->request->params, text);
-        rk_json_text(json, path, text);
+        struct rk_param_line line = rk_param_line(table, i, entry->request->params);
+        rk_json_text(json, line.path, line.text);
     }
     rk_json_close(json);
     rk_json_open_list(json, "points");

@@ -1,7 +1,7 @@
 #include "ensemble/analysis/result.h"
 
+#include "base/number.h"
 #include "ensemble/analysis/json.h"
-#include "ensemble/analysis/number.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -124,7 +124,7 @@ void rk_result_write_csv(const struct rk_result *result, FILE *out) {
             if (!value->scalar) {
                 fprintf(out, "%s%s", comma,
                         value->words ? value->words[row]
-                                     : rk_number_text(value->numbers[row], text));
+                                     : rk_number_text(value->numbers[row], RK_RESULT_DIGITS, text));
                 comma = ",";
             }
         }
@@ -172,7 +172,7 @@ void rk_outcomes_write_csv(const struct rk_outcome *outcomes, size_t count, FILE
         for (size_t i = 0; i < names; i++) {
             if (model->values[i].scalar) {
                 double x = rk_result_number(&o->result, model->values[i].name);
-                fprintf(out, ",%s", rk_number_text(x, text));
+                fprintf(out, ",%s", rk_number_text(x, RK_RESULT_DIGITS, text));
             }
         }
         fputc(',', out);

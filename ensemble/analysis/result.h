@@ -18,6 +18,9 @@
 #include <stddef.h>
 #include <stdio.h>
 
+/* Digits at the least, so that 1000000 is written so and not as 1e+06. */
+enum { RK_RESULT_DIGITS = 15 };
+
 struct rk_value {
     const char *name, *unit, *doc;
     bool scalar;

@@ -65,6 +65,8 @@ static enum rk_status add_spread(const struct rk_point_data *data, struct rk_res
 
 static enum rk_status estimate(const void *params, const struct rk_point_data *data,
                                struct rk_result *result, struct rk_error *err) {
+    static const char *const of_rate[] = {"rate", "rate_low", "rate_high"};
+    static const char *const of_velocity[] = {"velocity", "velocity_low", "velocity_high"};
     struct rk_rate_options options = *(const struct rk_rate_options *)params;
     options.from *= data->samples_per_period;
     options.to *= data->samples_per_period;
@@ -76,16 +78,9 @@ static enum rk_status estimate(const void *params, const struct rk_point_data *d
     }
     double period = data->period;
     snprintf(result->verdict, sizeof result->verdict, "%s", rate.verdict);
-    rk_result_scalar(result, "rate", "d/period", "mean rise a period", rate.rate.estimate * period);
-    rk_result_scalar(result, "rate_low", "d/period", "lower end of its interval",
-                     rate.rate.low * period);
-    rk_result_scalar(result, "rate_high", "d/period", "upper end of its interval",
-                     rate.rate.high * period);
-    rk_result_scalar(result, "velocity", "sqrt(g d)", "the same as a velocity", rate.rate.estimate);
-    rk_result_scalar(result, "velocity_low", "sqrt(g d)", "lower end of its interval",
-                     rate.rate.low);
-    rk_result_scalar(result, "velocity_high", "sqrt(g d)", "upper end of its interval",
-                     rate.rate.high);
+    rk_analysis_add_interval(result, of_rate, "d/period", "mean rise a period", &rate.rate, period);
+    rk_analysis_add_interval(result, of_velocity, "sqrt(g d)", "the same as a velocity", &rate.rate,
+                             1);
     rk_result_scalar(result, "level", "", "probability that an interval is to cover",
                      rate.rate.level);
     rk_result_scalar(result, "deviation", "d/period",
@@ -125,7 +120,7 @@ static void picture(const struct rk_picture *p, FILE *out) {
     double low, high;
     find_range(p, &low, &high);
     rk_plot_begin_panels(p, "time [periods]", out);
-    fprintf(out, "set yrange [%.4g:%.4g]\nset key below height 1.2\n", low, high);
+    fprintf(out, "set yrange [%.9g:%.9g]\nset key below height 1.2\n", low, high);
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
         const char *colour = rk_plot_colour(i);

@@ -2,6 +2,7 @@
 #include "ensemble/analysis/json.h"
 #include "ensemble/command/command.h"
 #include "ensemble/command/speed.h"
+#include "ensemble/store/columns.h"
 
 #include <math.h>
 #include <omp.h>
@@ -46,20 +47,12 @@ static void __attribute__((format(printf, 2, 3))) warn(struct outlook *o, const 
     va_end(arguments);
 }
 
-static size_t columns_of(const struct rk_case *scene) {
-    size_t columns = 0;
-    for (size_t i = 0; i < scene->probes->count; i++) {
-        columns += ((const struct rk_probe *)scene->probes->pieces[i])->count;
-    }
-    return columns;
-}
-
 /* Bytes of a run's file at most: positions, velocities, angle and angular velocity of every frame
  * as float32 before compression, the observables as float64, and what HDF5 needs around them:
  * chunks that are not full, their indices, attributes. */
 static double file_size(const struct rk_case *scene, const struct forecast *f) {
     double frame = 6.0 * 4.0 * (double)f->grains;
-    double data = frame * (double)f->frames + 8.0 * (double)columns_of(scene) * (double)f->samples;
+    double data = frame * (double)f->frames + 8.0 * (double)rk_columns_count(scene) * (double)f->samples;
     return ceil(1.04 * data) + 80 * 1024;
 }
 
@@ -72,9 +65,9 @@ static void look_at_point(struct outlook *o, size_t p) {
         .name = point->name,
         .grains = scene->grains(point->params),
         .steps = schedule.steps,
-        .periods = schedule.steps / schedule.sample_every / schedule.samples_per_period,
-        .samples = schedule.steps / schedule.sample_every + 1,
-        .frames = schedule.frame_every > 0 ? schedule.steps / schedule.frame_every + 1 : 2,
+        .periods = rk_schedule_periods(&schedule),
+        .samples = rk_schedule_samples(&schedule),
+        .frames = rk_schedule_frames(&schedule),
         .preparation = scene->preparation_steps(point->params),
         .dt = schedule.dt,
         .stable_dt = schedule.stable_dt,

@@ -93,12 +93,12 @@ int rk_command_load_study(const char *path, struct rk_study **study);
 int rk_command_load_folder(const char *folder, struct rk_study **study);
 
 /* The plan of a folder's study; RK_ECONFLICT when the runs there are not that plan's, so that no
- * number is ever derived with parameters it was not made with. *plan is NULL on failure. */
+ * number is ever derived with parameters it was not made with; RK_EIO when there is no plan to
+ * compare with. *plan is NULL on failure. */
 enum rk_status rk_command_plan_folder(const char *folder, const struct rk_study *study,
                                       struct rk_plan **plan, struct rk_error *err);
 
-/* Progress and colours are for terminals, and colours not where NO_COLOR is set. */
+/* Progress is for terminals. */
 bool rk_shows_progress(void);
-bool rk_shows_colour(void);
 
 #endif

@@ -250,9 +250,8 @@ static int unknown(const char *name) {
     }
     const char *nearest = rk_nearest_name(name, names.count, name_at, &names);
     struct rk_error err = RK_NO_ERROR;
-    rk_fail(&err, RK_EINVALID, "nothing is called '%.96s'%s%s%s", name,
-            nearest ? "; did you mean '" : "; 'reckon describe' lists what there is",
-            nearest ? nearest : "", nearest ? "'?" : "");
+    rk_fail(&err, RK_EINVALID, "nothing is called '%.96s'%s", name,
+            rk_hint_of(nearest, "; 'reckon describe' lists what there is").text);
     int code = rk_complain(&err);
     free(names.text);
     return code;

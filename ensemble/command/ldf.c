@@ -6,6 +6,7 @@
 #include "ensemble/command/command.h"
 #include "ensemble/input/dataset.h"
 #include "ensemble/input/table.h"
+#include "ensemble/store/columns.h"
 #include "ensemble/store/files.h"
 
 #include <math.h>
@@ -144,8 +145,8 @@ static enum rk_status find_point(const struct rk_study *study, const char *name,
         }
     }
     const char *nearest = rk_nearest_name(name, study->point_count, point_name, study->points);
-    return rk_fail(err, RK_EINVALID, "the study has no point '%.64s'%s%s%s", name,
-                   nearest ? "; did you mean '" : "", nearest ? nearest : "", nearest ? "'?" : "");
+    return rk_fail(err, RK_EINVALID, "the study has no point '%.64s'%s", name,
+                   rk_hint_of(nearest, "").text);
 }
 
 /* "probe.column" of the study's case; a near miss is named. */
@@ -154,7 +155,7 @@ static enum rk_status check_observable(const struct rk_case *scene, const char *
     char known[256][RK_PARAM_PATH];
     size_t count = 0;
     for (size_t p = 0; p < scene->probes->count; p++) {
-        const struct rk_probe *probe = (const struct rk_probe *)scene->probes->pieces[p];
+        const struct rk_probe *probe = rk_columns_probe(scene, p);
         for (size_t c = 0; c < probe->count && count < 256; c++) {
             snprintf(known[count], sizeof known[count], "%s.%s", probe->piece.name,
                      probe->columns[c].name);
@@ -164,9 +165,8 @@ static enum rk_status check_observable(const struct rk_case *scene, const char *
         }
     }
     const char *nearest = rk_nearest_name(name, count, observable_name, known);
-    return rk_fail(err, RK_EINVALID, "there is no observable '%.64s'%s%s%s", name,
-                   nearest ? "; did you mean '" : "; they are called probe.column",
-                   nearest ? nearest : "", nearest ? "'?" : "");
+    return rk_fail(err, RK_EINVALID, "there is no observable '%.64s'%s", name,
+                   rk_hint_of(nearest, "; they are called probe.column").text);
 }
 
 static void warn(void *context, const char *line) {

@@ -58,9 +58,8 @@ static void print_version(void) {
 static int unknown_command(const char *name) {
     const char *nearest = rk_nearest_name(name, COMMANDS, command_name, commands);
     struct rk_error err = RK_NO_ERROR;
-    rk_fail(&err, RK_EINVALID, "there is no command '%.64s'%s%s%s", name,
-            nearest ? "; did you mean '" : "; 'reckon --help' lists them", nearest ? nearest : "",
-            nearest ? "'?" : "");
+    rk_fail(&err, RK_EINVALID, "there is no command '%.64s'%s", name,
+            rk_hint_of(nearest, "; 'reckon --help' lists them").text);
     return rk_complain(&err);
 }
 

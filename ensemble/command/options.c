@@ -1,4 +1,5 @@
 /* Command lines by table. */
+#include "base/number.h"
 #include "base/piece.h"
 #include "ensemble/command/command.h"
 
@@ -45,9 +46,8 @@ static enum rk_status set(const struct rk_option *option, const char *text, void
         *(uint64_t *)value = count;
         return RK_OK;
     }
-    char *end;
-    double x = strtod(text, &end);
-    if (end == text || *end != '\0' || !(x >= option->low && x <= option->high)) {
+    double x;
+    if (!rk_number_read(text, &x) || x < option->low || x > option->high) {
         return out_of_range(option, text, err);
     }
     if (option->type == RK_OPTION_REAL) {

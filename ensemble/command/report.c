@@ -3,7 +3,6 @@
 
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -50,9 +49,4 @@ void rk_warn(const char *format, ...) {
 bool rk_shows_progress(void) {
     const char *terminal = getenv("TERM");
     return isatty(STDERR_FILENO) == 1 && terminal && strcmp(terminal, "dumb") != 0;
-}
-
-bool rk_shows_colour(void) {
-    const char *never = getenv("NO_COLOR");
-    return isatty(STDERR_FILENO) == 1 && (!never || never[0] == '\0');
 }

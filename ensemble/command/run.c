@@ -100,7 +100,7 @@ static void list_reasons(const char *folder, const struct rk_plan *plan, size_t 
     size_t shown = 0;
     for (size_t i = 0; i < plan->count && shown < REASONS_SHOWN && shown < failed; i++) {
         char reason[512];
-        if (rk_store_run_reason(folder, &plan->runs[i], reason) == RK_RUN_FAILED) {
+        if (rk_store_run_reason(folder, plan, &plan->runs[i], reason) == RK_RUN_FAILED) {
             rk_warn("run %s failed: %s", plan->runs[i].id, reason);
             shown++;
         }

@@ -1,6 +1,7 @@
 #include "ensemble/command/speed.h"
 
 #include "base/memory.h"
+#include "ensemble/runner/clock.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -12,14 +13,15 @@
 static const double affordable = 1.5e8;
 enum { PATIENCE = 8 };
 
-static double seconds_of(clockid_t clock) {
+/* What this thread has used of the processor: other programs do not slow that down. */
+static double processor_time(void) {
     struct timespec now;
-    clock_gettime(clock, &now);
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
 static bool too_late(void *context) {
-    return seconds_of(CLOCK_MONOTONIC) > *(const double *)context;
+    return rk_clock() > *(const double *)context;
 }
 
 /* Fewer grains where the case has such a parameter and still passes its own check. */
@@ -50,13 +52,13 @@ static void shrink(const struct rk_case *scene, void *params) {
 /* Steps in growing portions until they took long enough to be timed. */
 static double time_steps(struct rk_scene *scene) {
     double grains = (double)rk_scene_grains(scene), done = 0;
-    double start = seconds_of(CLOCK_THREAD_CPUTIME_ID), spent = 0;
+    double start = processor_time(), spent = 0;
     for (uint64_t steps = 64; spent < 0.25; steps *= 2) {
         if (rk_scene_step(scene, steps, NULL) != RK_OK) {
             break;
         }
         done += (double)steps * grains;
-        spent = seconds_of(CLOCK_THREAD_CPUTIME_ID) - start;
+        spent = processor_time() - start;
     }
     return spent >= 0.25 ? done / spent : (double)NAN;
 }
@@ -66,7 +68,7 @@ struct rk_speed rk_speed_measure(const struct rk_study *study, const struct rk_p
     struct rk_speed speed = {NAN, NAN, 0};
     struct rk_scene *made = NULL;
     struct rk_preparation preparation;
-    double deadline = seconds_of(CLOCK_MONOTONIC) + PATIENCE;
+    double deadline = rk_clock() + PATIENCE;
     const struct rk_cancel cancel = {too_late, &deadline};
     void *params = rk_array_create(1, scene->params->size);
     if (!params) {

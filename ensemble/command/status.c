@@ -29,7 +29,7 @@ static struct tally tally_of(const char *folder, const struct rk_plan *plan) {
     struct tally tally = {.busy = false};
     tally.busy = rk_store_busy(folder, tally.who);
     for (size_t i = 0; i < plan->count; i++) {
-        tally.count[rk_store_run_state(folder, &plan->runs[i])]++;
+        tally.count[rk_store_run_state(folder, plan, &plan->runs[i])]++;
     }
     return tally;
 }
@@ -45,7 +45,7 @@ static void print_text(const char *folder, const struct rk_plan *plan, const str
     size_t shown = 0;
     for (size_t i = 0; i < plan->count && shown < REASONS_SHOWN; i++) {
         char reason[512];
-        if (rk_store_run_reason(folder, &plan->runs[i], reason) == RK_RUN_FAILED) {
+        if (rk_store_run_reason(folder, plan, &plan->runs[i], reason) == RK_RUN_FAILED) {
             printf("failed %s: %s\n", plan->runs[i].id, reason);
             shown++;
         }
@@ -71,7 +71,7 @@ static void print_json(const char *folder, const struct rk_plan *plan, const str
     rk_json_open_list(&json, "failures");
     for (size_t i = 0; i < plan->count; i++) {
         char reason[512];
-        if (rk_store_run_reason(folder, &plan->runs[i], reason) == RK_RUN_FAILED) {
+        if (rk_store_run_reason(folder, plan, &plan->runs[i], reason) == RK_RUN_FAILED) {
             rk_json_open_map(&json, NULL);
             rk_json_text(&json, "run", plan->runs[i].id);
             rk_json_text(&json, "reason", reason);

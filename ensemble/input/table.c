@@ -1,6 +1,6 @@
 #include "ensemble/input/table.h"
 
-#include "ensemble/analysis/number.h"
+#include "base/number.h"
 #include "ensemble/input/slurp.h"
 
 #include <errno.h>
@@ -329,7 +329,7 @@ static enum rk_status arrange(struct reader *r, struct rk_samples *out) {
     if (!sorted && !sort_rows(r->rows, r->count)) {
         return rk_fail(r->err, RK_EMEMORY, "out of memory for %zu rows", r->count);
     }
-    size_t replicas = 1, longest = 0, length = 0;
+    size_t replicas = 1, longest = 1, length = 0; /* there is at least one row */
     for (size_t i = 0; i < r->count; i++) {
         bool next = i > 0 && r->rows[i].replica != r->rows[i - 1].replica;
         replicas += next;

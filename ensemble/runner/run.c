@@ -204,10 +204,7 @@ static enum rk_status resume(struct work *w, struct rk_error *err) {
                                 : "its older checkpoint cannot be used, starting afresh",
                 &why);
         } else if (status != RK_OK) {
-            if (err) {
-                *err = why;
-            }
-            return status;
+            return rk_fail_as(err, &why);
         }
     }
     return RK_OK;
@@ -317,20 +314,22 @@ static enum rk_status publish(struct work *w, const struct rk_error *failure,
 /* From wherever the run stands to its file. */
 static enum rk_status finish(struct work *w, bool *failed, struct rk_error *err) {
     struct rk_error trouble = RK_NO_ERROR;
-    enum rk_status status = w->scene ? allocate(w, err) : begin(w, &trouble);
+    enum rk_status status = w->scene ? allocate(w, &trouble) : begin(w, &trouble);
     if (status == RK_OK) {
         w->last_checkpoint = rk_clock();
         status = carry_on(w, &trouble);
     }
     *failed = status == RK_EUNSTABLE;
+    if (status != RK_OK && !*failed) {
+        return rk_fail_as(err, &trouble);
+    }
     if (*failed && w->scene) {
         status = record_frame(w, err); /* the state it was found in */
-    } else if (*failed) {
-        status = RK_OK;
-    } else if (status != RK_OK && err && trouble.status != RK_OK) {
-        *err = trouble;
+        if (status != RK_OK) {
+            return status;
+        }
     }
-    return status == RK_OK ? publish(w, *failed ? &trouble : NULL, err) : status;
+    return publish(w, *failed ? &trouble : NULL, err);
 }
 
 static void free_work(struct work *w) {
@@ -364,26 +363,25 @@ enum rk_status rk_run_execute(const char *folder, const struct rk_plan *plan,
     w.schedule = w.scene_case->schedule(w.params);
     w.focus = w.scene_case->focus(w.params);
     w.origin = rk_origin_of(plan, run);
+    struct rk_error why = RK_NO_ERROR;
     enum rk_status status = set_paths(&w.paths, folder, run, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    status = resume(&w, &why);
+    if (status == RK_OK) {
+        status = finish(&w, failed, &why);
+    }
+    free_work(&w);
     /* A spool that turns out damaged only when it is copied is given up, once, for a fresh start.
      */
-    for (int attempt = 0; status == RK_OK && attempt < 2; attempt++) {
-        struct rk_error why = RK_NO_ERROR;
-        status = attempt == 0 ? resume(&w, &why) : RK_OK;
+    if (status == RK_EFORMAT) {
+        say(&w, "its record cannot be used, starting afresh", &why);
+        status = rk_run_clean(folder, run, &why);
         if (status == RK_OK) {
             status = finish(&w, failed, &why);
         }
         free_work(&w);
-        if (status == RK_EFORMAT && attempt == 0) {
-            say(&w, "its record cannot be used, starting afresh", &why);
-            status = rk_run_clean(folder, run, &why);
-        } else if (status == RK_OK) {
-            status = rk_run_clean(folder, run, &why);
-            attempt = 2;
-        }
-        if (status != RK_OK && err) {
-            *err = why;
-        }
     }
-    return status;
+    return status == RK_OK ? rk_run_clean(folder, run, err) : rk_fail_as(err, &why);
 }

@@ -114,16 +114,14 @@ static enum rk_status review(struct crew *crew, size_t i, struct rk_error *err) 
         return status;
     }
     status = rk_seal_verify(path.text, &seal, &why);
-    struct rk_origin mine = rk_origin_of(crew->plan, run);
-    if (status == RK_OK && memcmp(&mine, &seal.origin, sizeof mine) != 0) {
+    if (status == RK_OK && !rk_origin_is(&seal.origin, crew->plan, run)) {
         status = rk_fail(&why, RK_EFORMAT, "it belongs to another study or run");
     }
     if (status == RK_EFORMAT) {
         return set_aside(crew, run, path.text, &why, err);
     }
     if (status != RK_OK) {
-        *err = why;
-        return status;
+        return rk_fail_as(err, &why);
     }
     crew->states[i] = seal.state == RK_SEAL_FAILED ? RK_RUN_FAILED : RK_RUN_DONE;
     return rk_run_clean(crew->folder, run, err);
@@ -141,10 +139,7 @@ static enum rk_status review_all(struct crew *crew, int threads, struct rk_error
             }
         }
     }
-    if (first.status != RK_OK && err) {
-        *err = first;
-    }
-    return first.status;
+    return first.status == RK_OK ? RK_OK : rk_fail_as(err, &first);
 }
 
 /* ---- The work ---- */
@@ -241,10 +236,7 @@ static enum rk_status work(struct crew *crew, int threads, struct rk_error *err)
     }
     tell(crew, true);
     free(order);
-    if (crew->first.status != RK_OK && err) {
-        *err = crew->first;
-    }
-    return crew->first.status;
+    return crew->first.status == RK_OK ? RK_OK : rk_fail_as(err, &crew->first);
 }
 
 static void report_on(const struct crew *crew, struct rk_run_report *report) {

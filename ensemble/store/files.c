@@ -17,6 +17,12 @@ struct rk_origin rk_origin_of(const struct rk_plan *plan, const struct rk_run *r
     return origin;
 }
 
+bool rk_origin_is(const struct rk_origin *origin, const struct rk_plan *plan,
+                  const struct rk_run *run) {
+    struct rk_origin expected = rk_origin_of(plan, run);
+    return memcmp(origin, &expected, sizeof expected) == 0;
+}
+
 enum rk_status rk_path_set(struct rk_path *path, struct rk_error *err, const char *format, ...) {
     va_list args;
     va_start(args, format);
@@ -34,7 +40,7 @@ enum rk_status rk_path_of_run(struct rk_path *path, const char *folder, const ch
     return rk_path_set(path, err, "%s/runs/%s%s", folder, id, suffix);
 }
 
-enum rk_status rk_fail_system(struct rk_error *err, const char *verb, const char *path) {
+enum rk_status(rk_fail_system)(struct rk_error *err, const char *verb, const char *path) {
     int reason = errno;
     return rk_fail(err, RK_EIO, "cannot %s '%s': %s", verb, path, strerror(reason));
 }

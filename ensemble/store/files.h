@@ -30,6 +30,10 @@ enum rk_status rk_path_of_run(struct rk_path *path, const char *folder, const ch
 /* "cannot <verb> '<path>': <the system's reason of errno>". */
 enum rk_status rk_fail_system(struct rk_error *err, const char *verb, const char *path);
 
+#ifdef __clang_analyzer__ /* as in base/error.h */
+#define rk_fail_system(err, verb, path) ((rk_fail_system)(err, verb, path), RK_EIO)
+#endif
+
 bool rk_file_exists(const char *path);
 
 /* Write `size` bytes to an open file, however many calls it takes. `path` is for the message. */

@@ -310,7 +310,7 @@ static void copy_spool(struct writer *w, struct rk_spool *spool) {
 
 static bool allocate(struct writer *w) {
     size_t bytes = w->grains * 2 * sizeof(float);
-    w->frames_a_chunk = bytes > BYTES_A_CHUNK ? 1 : BYTES_A_CHUNK / (bytes + 1);
+    w->frames_a_chunk = bytes >= BYTES_A_CHUNK ? 1 : BYTES_A_CHUNK / (bytes + 1);
     w->frames_a_chunk = smaller(w->frames_a_chunk, w->frames);
     bool fine = true;
     for (size_t e = 0; e < w->elements; e++) {

@@ -18,7 +18,7 @@
  * the state it was found in; one that failed while its bed was prepared has no particles and no
  * observables.
  *
- * Memory: one chunk of frames (about RK_H5MD_CHUNK bytes, or one frame) and of rows.
+ * Memory: one chunk of frames (of half a megabyte, or one frame) and of rows.
  * Threads: enters HDF5 on its own (hdf5_file.h); different files may be written at once.
  */
 #ifndef RK_ENSEMBLE_STORE_H5MD_H

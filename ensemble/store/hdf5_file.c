@@ -1,4 +1,5 @@
 #include "ensemble/store/hdf5_file.h"
+#include "base/memory.h"
 #include "ensemble/store/files.h"
 #include "ensemble/store/hdf5_driver.h"
 
@@ -23,7 +24,7 @@ void rk_h5_leave(struct rk_h5_guard guard) {
     pthread_mutex_unlock(&library);
 }
 
-hid_t rk_h5_file_type(enum rk_h5_type type) {
+static hid_t file_type_of(enum rk_h5_type type) {
     switch (type) {
     case RK_H5_REAL:
         return H5T_IEEE_F64LE;
@@ -39,7 +40,7 @@ hid_t rk_h5_file_type(enum rk_h5_type type) {
     return H5I_INVALID_HID;
 }
 
-hid_t rk_h5_memory_type(enum rk_h5_type type) {
+static hid_t memory_type_of(enum rk_h5_type type) {
     switch (type) {
     case RK_H5_REAL:
         return H5T_NATIVE_DOUBLE;
@@ -66,7 +67,8 @@ static herr_t innermost(unsigned depth, const H5E_error2_t *reason, void *text) 
     return 0;
 }
 
-void rk_h5_check(struct rk_h5 *h5) {
+/* Has a write failed behind HDF5's back? Then that is the failure, if it is the first. */
+static void check_writes(struct rk_h5 *h5) {
     if (h5->status == RK_OK && h5->failure != 0) {
         errno = h5->failure;
         h5->status = rk_fail_system(h5->err, "write", h5->path);
@@ -74,7 +76,7 @@ void rk_h5_check(struct rk_h5 *h5) {
 }
 
 void rk_h5_fail(struct rk_h5 *h5, const char *verb, const char *name) {
-    rk_h5_check(h5); /* the system's reason says more than what HDF5 makes of it */
+    check_writes(h5); /* the system's reason says more than what HDF5 makes of it */
     if (h5->status != RK_OK) {
         return;
     }
@@ -143,7 +145,7 @@ enum rk_status rk_h5_close(struct rk_h5 *h5) {
         H5FDunregister(h5->driver);
         h5->driver = H5I_INVALID_HID;
     }
-    rk_h5_check(h5);
+    check_writes(h5);
     return h5->status;
 }
 
@@ -245,8 +247,7 @@ void rk_h5_note_text_list(struct rk_h5 *h5, hid_t object, const char *name, cons
 
 void rk_h5_note_value(struct rk_h5 *h5, hid_t object, const char *name, enum rk_h5_type type,
                       size_t count, const void *values) {
-    write_attribute(h5, object, name, rk_h5_file_type(type), rk_h5_memory_type(type), count,
-                    values);
+    write_attribute(h5, object, name, file_type_of(type), memory_type_of(type), count, values);
 }
 
 static void write_dataset(struct rk_h5 *h5, hid_t parent, const char *name, hid_t file_type,
@@ -271,8 +272,8 @@ static void write_dataset(struct rk_h5 *h5, hid_t parent, const char *name, hid_
 
 void rk_h5_values(struct rk_h5 *h5, hid_t parent, const char *name, enum rk_h5_type type, int rank,
                   const hsize_t *dims, const void *values, const char *unit) {
-    write_dataset(h5, parent, name, rk_h5_file_type(type), rk_h5_memory_type(type), rank, dims,
-                  values, unit);
+    write_dataset(h5, parent, name, file_type_of(type), memory_type_of(type), rank, dims, values,
+                  unit);
 }
 
 void rk_h5_text(struct rk_h5 *h5, hid_t parent, const char *name, const char *text) {
@@ -311,7 +312,7 @@ hid_t rk_h5_series(struct rk_h5 *h5, hid_t parent, const char *name,
     hid_t dataset = H5I_INVALID_HID;
     if (space < 0 || creation < 0 || H5Pset_chunk(creation, series->rank, series->chunk) < 0 ||
         (series->compress && (H5Pset_shuffle(creation) < 0 || H5Pset_deflate(creation, 1) < 0)) ||
-        (dataset = H5Dcreate2(parent, name, rk_h5_file_type(series->type), space, H5P_DEFAULT,
+        (dataset = H5Dcreate2(parent, name, file_type_of(series->type), space, H5P_DEFAULT,
                               creation, H5P_DEFAULT)) < 0) {
         rk_h5_fail(h5, "write", name);
     }
@@ -334,13 +335,13 @@ void rk_h5_rows(struct rk_h5 *h5, hid_t dataset, const struct rk_h5_series *seri
     hid_t memory_space = H5Screate_simple(series->rank, size, NULL);
     if (file_space < 0 || memory_space < 0 ||
         H5Sselect_hyperslab(file_space, H5S_SELECT_SET, from, NULL, size, NULL) < 0 ||
-        H5Dwrite(dataset, rk_h5_memory_type(series->type), memory_space, file_space, H5P_DEFAULT,
+        H5Dwrite(dataset, memory_type_of(series->type), memory_space, file_space, H5P_DEFAULT,
                  values) < 0) {
         rk_h5_fail(h5, "write", "the rows of a series");
     }
     H5Sclose(file_space);
     H5Sclose(memory_space);
-    rk_h5_check(h5);
+    check_writes(h5);
 }
 
 bool rk_h5_has(struct rk_h5 *h5, const char *name) {
@@ -359,7 +360,7 @@ void rk_h5_read_list(struct rk_h5 *h5, const char *name, double **values, size_t
     if (space < 0 || H5Sget_simple_extent_ndims(space) != 1 ||
         H5Sget_simple_extent_dims(space, &length, NULL) < 0) {
         rk_h5_fail(h5, "read", name);
-    } else if (!(*values = malloc(length > 0 ? length * sizeof **values : 1))) {
+    } else if (!(*values = rk_array_create(length, sizeof **values))) {
         h5->status = rk_fail(h5->err, RK_EMEMORY, "not enough memory to read '%s'", h5->path);
     } else if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, *values) < 0) {
         rk_h5_fail(h5, "read", name);

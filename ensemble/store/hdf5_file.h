@@ -30,8 +30,6 @@ void rk_h5_leave(struct rk_h5_guard guard);
 
 /* The types of the store, little-endian in files, the machine's own in memory. */
 enum rk_h5_type { RK_H5_REAL, RK_H5_FLOAT, RK_H5_COUNT, RK_H5_INT, RK_H5_BYTE };
-hid_t rk_h5_file_type(enum rk_h5_type type);
-hid_t rk_h5_memory_type(enum rk_h5_type type);
 
 struct rk_h5 {
     hid_t file;
@@ -54,10 +52,8 @@ void rk_h5_open(struct rk_h5 *h5, const char *path, struct rk_error *err);
  * RK_EFORMAT for reading. */
 enum rk_status rk_h5_close(struct rk_h5 *h5);
 
-/* Has a write failed behind HDF5's back? Then that is the failure, if it is the first. */
-void rk_h5_check(struct rk_h5 *h5);
-
-/* Record a failure, if it is the first: "cannot <what> of '<path>' ..., with HDF5's reason". */
+/* Record a failure, if it is the first: "cannot <verb> '<name>' in '<path>'", with HDF5's reason;
+ * RK_EFORMAT for the verbs "read" and "open", else RK_EIO. */
 void rk_h5_fail(struct rk_h5 *h5, const char *verb, const char *name);
 
 hid_t rk_h5_group(struct rk_h5 *h5, hid_t parent, const char *name);

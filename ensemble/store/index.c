@@ -2,9 +2,8 @@
 #include "ensemble/store.h"
 #include "ensemble/store/columns.h"
 #include "ensemble/store/files.h"
-#include "ensemble/store/provenance.h"
 #include "ensemble/store/runs_table.h"
-#include "ensemble/store/seal.h"
+#include "ensemble/store/study_file.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -104,7 +103,7 @@ static void write_point(struct rk_h5 *h5, hid_t parent, const struct rk_plan *pl
     const struct rk_case *scene = plan->study->scene;
     const struct rk_point *point = &plan->study->points[plan->runs[span.first].point];
     struct rk_schedule schedule = scene->schedule(point->params);
-    hsize_t samples = schedule.steps / schedule.sample_every + 1;
+    hsize_t samples = rk_schedule_samples(&schedule);
     double interval = (double)schedule.sample_every * schedule.dt;
     hid_t group = rk_h5_group(h5, parent, point->name);
     write_complete(h5, group, states, span);
@@ -120,65 +119,48 @@ static void write_point(struct rk_h5 *h5, hid_t parent, const struct rk_plan *pl
     rk_h5_release(h5, group);
 }
 
-static enum rk_status write_file(const char *path, const struct rk_plan *plan,
-                                 const uint8_t *states, const struct rk_index_addition *addition,
-                                 struct rk_error *err) {
-    struct rk_h5 h5;
-    rk_h5_create(&h5, path, RK_SEAL_SIZE, RK_H5_FOR_1_10, err);
-    rk_provenance_study(&h5, h5.file, plan);
-    rk_runs_table(&h5, h5.file, plan, states);
-    write_links(&h5, plan, states);
-    hid_t observables = rk_h5_group(&h5, h5.file, "observables");
-    for (size_t first = 0; first < plan->count;) {
-        struct span span = next_span(plan, first);
-        write_point(&h5, observables, plan, states, span);
+/* What the index is written from. */
+struct contents {
+    const struct rk_plan *plan;
+    const uint8_t *states; /* an enum rk_run_state a run */
+    const struct rk_index_addition *addition;
+};
+
+static void write_contents(struct rk_h5 *h5, const void *context) {
+    const struct contents *c = context;
+    rk_runs_table(h5, h5->file, c->plan, c->states);
+    write_links(h5, c->plan, c->states);
+    hid_t observables = rk_h5_group(h5, h5->file, "observables");
+    for (size_t first = 0; first < c->plan->count;) {
+        struct span span = next_span(c->plan, first);
+        write_point(h5, observables, c->plan, c->states, span);
         first += span.count;
     }
-    rk_h5_release(&h5, observables);
-    if (addition && h5.status == RK_OK) {
-        addition->write(&h5, addition->context);
+    rk_h5_release(h5, observables);
+    if (c->addition && h5->status == RK_OK) {
+        c->addition->write(h5, c->addition->context);
     }
-    return rk_h5_close(&h5);
 }
 
-/* The seal of an index tells which states it was built from. */
-static struct rk_seal seal_of(const struct rk_plan *plan, const uint8_t *states) {
-    const struct rk_run none = {.id = "index"};
-    struct rk_seal seal = {.origin = rk_origin_of(plan, &none), .state = RK_SEAL_DONE};
-    snprintf(seal.reason, sizeof seal.reason, "%s, states %016llx", plan->study->name,
+static const struct rk_study_file index_file = {"study.h5", "index", RK_H5_FOR_1_10,
+                                                write_contents};
+
+/* What the seal of an index says: which states it was built from. */
+struct note {
+    char text[RK_NAME + 64];
+};
+
+static struct note note_of(const struct rk_plan *plan, const uint8_t *states) {
+    struct note note;
+    snprintf(note.text, sizeof note.text, "%s, states %016llx", plan->study->name,
              (unsigned long long)XXH64(states, plan->count, 0));
-    return seal;
-}
-
-static enum rk_status publish(const char *folder, const struct rk_plan *plan, const uint8_t *states,
-                              const struct rk_index_addition *addition, struct rk_error *err) {
-    struct rk_path path, partial;
-    enum rk_status status = rk_path_set(&path, err, "%s/study.h5", folder);
-    if (status == RK_OK) {
-        status = rk_path_set(&partial, err, "%s/study.h5.tmp", folder);
-    }
-    if (status != RK_OK) {
-        return status;
-    }
-    struct rk_h5_guard guard = rk_h5_enter();
-    status = write_file(partial.text, plan, states, addition, err);
-    rk_h5_leave(guard);
-    struct rk_seal seal = seal_of(plan, states);
-    if (status == RK_OK) {
-        status = rk_seal_write(partial.text, &seal, err);
-    }
-    if (status == RK_OK) {
-        status = rk_file_publish(partial.text, path.text, err);
-    }
-    if (status != RK_OK) {
-        remove(partial.text); /* the failure that counts is the one before */
-    }
-    return status;
+    return note;
 }
 
 static bool is_current(const char *folder, const struct rk_plan *plan, const uint8_t *states) {
     struct rk_path path;
-    struct rk_seal found, expected = seal_of(plan, states);
+    struct note note = note_of(plan, states);
+    struct rk_seal found, expected = rk_study_file_seal(&index_file, plan, note.text);
     return rk_path_set(&path, NULL, "%s/study.h5", folder) == RK_OK &&
            rk_seal_verify(path.text, &found, NULL) == RK_OK &&
            memcmp(&found.origin, &expected.origin, sizeof found.origin) == 0 &&
@@ -192,14 +174,16 @@ static enum rk_status build(const char *folder, const struct rk_plan *plan, bool
         return rk_fail(err, RK_EMEMORY, "not enough memory to index %zu runs", plan->count);
     }
     for (size_t i = 0; i < plan->count; i++) {
-        states[i] = (uint8_t)rk_store_run_state(folder, &plan->runs[i]);
+        states[i] = (uint8_t)rk_store_run_state(folder, plan, &plan->runs[i]);
     }
     struct rk_path partial; /* of a program that was killed */
     enum rk_status status = rk_path_set(&partial, err, "%s/study.h5.tmp", folder);
     if (status == RK_OK && unless_current && is_current(folder, plan, states)) {
         status = rk_file_remove(partial.text, err);
     } else if (status == RK_OK) {
-        status = publish(folder, plan, states, addition, err);
+        const struct contents contents = {plan, states, addition};
+        status = rk_study_file_write(&index_file, folder, plan, note_of(plan, states).text,
+                                     &contents, err);
     }
     free(states);
     return status;

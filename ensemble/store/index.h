@@ -22,8 +22,8 @@
 /* What else goes into the file: called with it open, just before it is closed. Errors are left in
  * h5 (hdf5_file.h). */
 struct rk_index_addition {
-    void (*write)(struct rk_h5 *h5, void *context);
-    void *context;
+    void (*write)(struct rk_h5 *h5, const void *context);
+    const void *context;
 };
 
 /* Build the index of a study folder. `addition` may be NULL. RK_EIO, RK_EMEMORY. */

@@ -6,11 +6,17 @@
 
 #include "ensemble/study.h"
 
+#include <stdbool.h>
+
 struct rk_origin {
     char identity[RK_IDENTITY]; /* of the plan */
     char run[RK_RUN_ID];
 };
 
 struct rk_origin rk_origin_of(const struct rk_plan *plan, const struct rk_run *run);
+
+/* Is it that run of that plan? */
+bool rk_origin_is(const struct rk_origin *origin, const struct rk_plan *plan,
+                  const struct rk_run *run);
 
 #endif

@@ -62,3 +62,11 @@ void rk_provenance_parameters(struct rk_h5 *h5, hid_t parent, const struct rk_st
     }
     rk_h5_release(h5, group);
 }
+
+void rk_provenance_notes(struct rk_h5 *h5, hid_t object, const struct rk_param_table *table,
+                         const void *values) {
+    for (size_t i = 0; i < rk_param_total(table); i++) {
+        struct rk_param_line line = rk_param_line(table, i, values);
+        rk_h5_note(h5, object, line.path, line.text);
+    }
+}

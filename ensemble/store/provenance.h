@@ -12,4 +12,8 @@ void rk_provenance_study(struct rk_h5 *h5, hid_t object, const struct rk_plan *p
 void rk_provenance_parameters(struct rk_h5 *h5, hid_t parent, const struct rk_study *study,
                               const struct rk_point *point);
 
+/* Parameters as attributes of `object`, each as the text that a study file would have. */
+void rk_provenance_notes(struct rk_h5 *h5, hid_t object, const struct rk_param_table *table,
+                         const void *values);
+
 #endif

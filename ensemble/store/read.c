@@ -59,8 +59,9 @@ static enum rk_status read_observable(const char *path, const char *name, struct
     return rk_h5_close(&h5);
 }
 
-enum rk_status rk_store_read(const char *folder, const struct rk_run *run, const char *name,
-                             struct rk_observable *out, struct rk_error *err) {
+enum rk_status rk_store_read(const char *folder, const struct rk_plan *plan,
+                             const struct rk_run *run, const char *name, struct rk_observable *out,
+                             struct rk_error *err) {
     *out = (struct rk_observable){0};
     struct rk_path path;
     struct rk_seal seal;
@@ -68,9 +69,9 @@ enum rk_status rk_store_read(const char *folder, const struct rk_run *run, const
     if (status == RK_OK) {
         status = rk_seal_verify(path.text, &seal, err);
     }
-    if (status == RK_OK && strcmp(seal.origin.run, run->id) != 0) {
-        status =
-            rk_fail(err, RK_EFORMAT, "'%.200s' is the file of run %s", path.text, seal.origin.run);
+    if (status == RK_OK && !rk_origin_is(&seal.origin, plan, run)) {
+        status = rk_fail(err, RK_EFORMAT, "'%.200s' is the file of run %s of study %s", path.text,
+                         seal.origin.run, seal.origin.identity);
     }
     if (status != RK_OK) {
         return status;

@@ -13,7 +13,7 @@ struct row {
     char state[8];
 };
 
-const char *rk_run_state_name(enum rk_run_state state) {
+static const char *state_name(enum rk_run_state state) {
     static const char *const names[] = {[RK_RUN_WAITING] = "waiting",
                                         [RK_RUN_STARTED] = "started",
                                         [RK_RUN_DONE] = "done",
@@ -58,7 +58,7 @@ static void fill(struct row *rows, const struct rk_plan *plan, const uint8_t *st
         memcpy(rows[i].point, point, strnlen(point, sizeof rows[i].point - 1));
         rows[i].replica = run->replica;
         if (states) {
-            const char *state = rk_run_state_name((enum rk_run_state)states[first + i]);
+            const char *state = state_name((enum rk_run_state)states[first + i]);
             memcpy(rows[i].state, state, strlen(state));
         }
     }

@@ -5,10 +5,8 @@
 #include "ensemble/store.h"
 #include "ensemble/store/hdf5_file.h"
 
-/* "waiting", "started", "done" or "failed". */
-const char *rk_run_state_name(enum rk_run_state state);
-
-/* Write the dataset "runs" below `parent`. `states` has one enum rk_run_state a run, or is NULL. */
+/* Write the dataset "runs" below `parent`. `states` has one enum rk_run_state a run
+ * (written as "waiting", "started", "done" or "failed"), or is NULL. */
 void rk_runs_table(struct rk_h5 *h5, hid_t parent, const struct rk_plan *plan,
                    const uint8_t *states);
 

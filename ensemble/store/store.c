@@ -16,6 +16,7 @@
 struct rk_store {
     struct rk_path folder;
     int lock;
+    bool held; /* the lock is ours */
 };
 
 const char *rk_store_folder(const struct rk_store *store) {
@@ -80,6 +81,7 @@ static enum rk_status take_lock(struct rk_store *store, struct rk_error *err) {
                        "what is done) and run this again",
                        who, store->folder.text);
     }
+    store->held = true;
     char host[64] = "", line[96];
     gethostname(host, sizeof host - 1); /* for the reader's eye only */
     int length = snprintf(line, sizeof line, "process %ld on %.48s\n", (long)getpid(), host);
@@ -219,6 +221,9 @@ enum rk_status rk_store_open(const char *folder, const struct rk_plan *plan, str
 void rk_store_close(struct rk_store *store) {
     if (store) {
         if (store->lock >= 0) {
+            /* A folder that nobody is at work in says nothing of who was. */
+            int ignored = store->held ? ftruncate(store->lock, 0) : 0;
+            (void)ignored;
             close(store->lock);
         }
         free(store);
@@ -227,8 +232,8 @@ void rk_store_close(struct rk_store *store) {
 
 /* ---- What is there of a run ---- */
 
-enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_run *run,
-                                      char reason[512]) {
+enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_plan *plan,
+                                      const struct rk_run *run, char reason[512]) {
     struct rk_path path;
     struct rk_seal seal;
     if (reason) {
@@ -237,7 +242,7 @@ enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_run *r
     if (rk_path_of_run(&path, folder, run->id, ".h5", NULL) != RK_OK) {
         return RK_RUN_WAITING;
     }
-    if (rk_seal_read(path.text, &seal, NULL) == RK_OK && strcmp(seal.origin.run, run->id) == 0) {
+    if (rk_seal_read(path.text, &seal, NULL) == RK_OK && rk_origin_is(&seal.origin, plan, run)) {
         if (reason) {
             memcpy(reason, seal.reason, sizeof seal.reason);
         }
@@ -248,8 +253,9 @@ enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_run *r
     return started ? RK_RUN_STARTED : RK_RUN_WAITING;
 }
 
-enum rk_run_state rk_store_run_state(const char *folder, const struct rk_run *run) {
-    return rk_store_run_reason(folder, run, NULL);
+enum rk_run_state rk_store_run_state(const char *folder, const struct rk_plan *plan,
+                                     const struct rk_run *run) {
+    return rk_store_run_reason(folder, plan, run, NULL);
 }
 
 size_t rk_store_surplus(const char *folder, const struct rk_plan *plan) {

@@ -49,8 +49,8 @@ static enum rk_status read_request(const struct rk_yaml *tree, const struct rk_y
                                    const struct rk_study *study, struct rk_request *request,
                                    struct rk_error *err) {
     const char *name = NULL;
-    struct rk_yaml_place place;
-    const struct rk_yaml_node *map;
+    struct rk_yaml_place place = node->place;
+    const struct rk_yaml_node *map = NULL;
     enum rk_status status = entry(tree, node, &name, &place, &map, err);
     if (status != RK_OK) {
         return status;
@@ -58,9 +58,8 @@ static enum rk_status read_request(const struct rk_yaml *tree, const struct rk_y
     const struct rk_piece *piece = rk_registry_find(&rk_analysis_registry, name);
     if (!piece) {
         const char *nearest = rk_registry_nearest(&rk_analysis_registry, name);
-        return rk_yaml_wrong(tree, place, err, "there is no analysis '%.64s'%s%s%s", name,
-                             nearest ? "; did you mean '" : "; 'reckon describe' lists them",
-                             nearest ? nearest : "", nearest ? "'?" : "");
+        return rk_yaml_wrong(tree, place, err, "there is no analysis '%.64s'%s", name,
+                             rk_hint_of(nearest, "; 'reckon describe' lists them").text);
     }
     request->analysis = (const struct rk_analysis *)piece;
     const struct rk_param_table *table = request->analysis->params;
@@ -76,8 +75,7 @@ static enum rk_status read_request(const struct rk_yaml *tree, const struct rk_y
         status = check_request(study, request, err);
         if (status != RK_OK && err) {
             const struct rk_yaml_node *at = rk_study_find_param(tree, map, err->subject);
-            place = at ? at->place : place;
-            rk_error_locate(err, "%s:%zu:%zu", tree->name, place.line, place.column);
+            rk_yaml_locate(tree, at ? at->place : place, err);
         }
     }
     return status;

@@ -23,7 +23,8 @@ static size_t index_of(const struct rk_param_table *table, const char *path) {
     size_t total = rk_param_total(table);
     struct rk_param_ref found = rk_param_find(table, path);
     for (size_t i = 0; i < total; i++) {
-        if (rk_param_at(table, i).row == found.row) {
+        struct rk_param_ref ref = rk_param_at(table, i); /* two groups may share their rows */
+        if (ref.group == found.group && ref.row == found.row) {
             return i;
         }
     }
@@ -39,8 +40,7 @@ static enum rk_status set_one(const struct setter *s, const struct rk_yaml_node 
     enum rk_status status = rk_param_set(s->table, s->values, path, node->text, s->err);
     bool known = rk_param_find(s->table, path).row != NULL;
     if (status != RK_OK) {
-        struct rk_yaml_place place = known ? node->place : node->key_place;
-        rk_error_locate(s->err, "%s:%zu:%zu", s->tree->name, place.line, place.column);
+        rk_yaml_locate(s->tree, known ? node->place : node->key_place, s->err);
         return status;
     }
     size_t i = index_of(s->table, path);
@@ -116,13 +116,9 @@ void rk_study_write_canonical(const struct rk_param_table *table, const void *va
                               const char *skip, FILE *out) {
     size_t total = rk_param_total(table);
     for (size_t i = 0; i < total; i++) {
-        struct rk_param_ref ref = rk_param_at(table, i);
-        if (skip && strcmp(ref.group->prefix, skip) == 0) {
-            continue;
+        if (!skip || strcmp(rk_param_at(table, i).group->prefix, skip) != 0) {
+            struct rk_param_line line = rk_param_line(table, i, values);
+            fprintf(out, "%s = %s\n", line.path, line.text);
         }
-        char path[RK_PARAM_PATH], text[RK_PARAM_TEXT];
-        rk_param_path(ref, path);
-        rk_param_text(ref, values, text);
-        fprintf(out, "%s = %s\n", path, text);
     }
 }

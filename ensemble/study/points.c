@@ -21,7 +21,7 @@ static void locate(const struct rk_yaml *tree, const struct rk_yaml_node *point,
     if (!node) {
         node = rk_yaml_member(tree, root, "case");
     }
-    rk_error_locate(err, "%s:%zu:%zu", tree->name, node->place.line, node->place.column);
+    rk_yaml_locate(tree, node->place, err);
 }
 
 static enum rk_status make_key(const struct rk_case *scene, struct rk_point *point,

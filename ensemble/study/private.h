@@ -12,10 +12,6 @@
 enum rk_status rk_study_copy_name(const struct rk_yaml *tree, const struct rk_yaml_node *node,
                                   const char *what, char name[RK_NAME], struct rk_error *err);
 
-/* A value that must be a single text. */
-enum rk_status rk_study_expect_text(const struct rk_yaml *tree, const struct rk_yaml_node *node,
-                                    struct rk_error *err);
-
 /* Set the parameters that the members of `map` name, nested or dotted; `skip` (or NULL) is a key
  * of the outermost map that is not a parameter. */
 enum rk_status rk_study_set_params(const struct rk_yaml *tree, const struct rk_yaml_node *map,

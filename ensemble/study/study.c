@@ -16,8 +16,9 @@ static const char *key_name(const void *list, size_t i) {
     return ((const char *const *)list)[i];
 }
 
-enum rk_status rk_study_expect_text(const struct rk_yaml *tree, const struct rk_yaml_node *node,
-                                    struct rk_error *err) {
+/* A value that must be a single text. */
+static enum rk_status expect_text(const struct rk_yaml *tree, const struct rk_yaml_node *node,
+                                  struct rk_error *err) {
     if (node->kind == RK_YAML_TEXT) {
         return RK_OK;
     }
@@ -27,7 +28,7 @@ enum rk_status rk_study_expect_text(const struct rk_yaml *tree, const struct rk_
 
 enum rk_status rk_study_copy_name(const struct rk_yaml *tree, const struct rk_yaml_node *node,
                                   const char *what, char name[RK_NAME], struct rk_error *err) {
-    enum rk_status status = rk_study_expect_text(tree, node, err);
+    enum rk_status status = expect_text(tree, node, err);
     if (status != RK_OK) {
         return status;
     }
@@ -66,12 +67,10 @@ static enum rk_status check_keys(const struct rk_yaml *tree, struct rk_error *er
         }
         if (!known) {
             const char *nearest = rk_nearest_name(n->key, KEYS, key_name, keys);
-            return rk_yaml_wrong(tree, n->key_place, err, "a study has no key '%.64s'; %s%s%s",
-                                 n->key,
-                                 nearest ? "did you mean '"
-                                         : "it may have study, case, seed, replicas, base, points, "
-                                           "analyses",
-                                 nearest ? nearest : "", nearest ? "'?" : "");
+            return rk_yaml_wrong(tree, n->key_place, err, "a study has no key '%.64s'%s", n->key,
+                                 rk_hint_of(nearest, "; it may have study, case, seed, replicas, "
+                                                     "base, points, analyses")
+                                     .text);
         }
     }
     return RK_OK;
@@ -84,7 +83,7 @@ static enum rk_status read_number(const struct rk_yaml *tree, const char *key, u
     if (!node) {
         return RK_OK;
     }
-    enum rk_status status = rk_study_expect_text(tree, node, err);
+    enum rk_status status = expect_text(tree, node, err);
     if (status != RK_OK) {
         return status;
     }
@@ -110,16 +109,15 @@ static enum rk_status read_case(const struct rk_yaml *tree, struct rk_study *stu
                              "the study names no case; add a line 'case: NAME' ('reckon describe' "
                              "lists the cases)");
     }
-    enum rk_status status = rk_study_expect_text(tree, node, err);
+    enum rk_status status = expect_text(tree, node, err);
     if (status != RK_OK) {
         return status;
     }
     const struct rk_piece *piece = rk_registry_find(&rk_case_registry, node->text);
     if (!piece) {
         const char *nearest = rk_registry_nearest(&rk_case_registry, node->text);
-        return rk_yaml_wrong(tree, node->place, err, "there is no case '%.64s'%s%s%s", node->text,
-                             nearest ? "; did you mean '" : "; 'reckon describe' lists them",
-                             nearest ? nearest : "", nearest ? "'?" : "");
+        return rk_yaml_wrong(tree, node->place, err, "there is no case '%.64s'%s", node->text,
+                             rk_hint_of(nearest, "; 'reckon describe' lists them").text);
     }
     study->scene = (const struct rk_case *)piece;
     return RK_OK;

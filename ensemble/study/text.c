@@ -1,22 +1,15 @@
-/* A study written out again, and what its points are told apart by. */
+/* A study written out again. */
 #include "ensemble/study/private.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static void write_value(FILE *out, const char *indent, struct rk_param_ref ref,
-                        const void *values) {
-    char path[RK_PARAM_PATH], text[RK_PARAM_TEXT];
-    rk_param_path(ref, path);
-    rk_param_text(ref, values, text);
-    fprintf(out, "%s%s: %s\n", indent, path, text);
-}
-
 static void write_all(FILE *out, const char *indent, const struct rk_param_table *table,
                       const void *values) {
     size_t total = rk_param_total(table);
     for (size_t i = 0; i < total; i++) {
-        write_value(out, indent, rk_param_at(table, i), values);
+        struct rk_param_line line = rk_param_line(table, i, values);
+        fprintf(out, "%s%s: %s\n", indent, line.path, line.text);
     }
 }
 
@@ -25,12 +18,10 @@ static void write_differences(FILE *out, const struct rk_param_table *table, con
                               const void *values) {
     size_t total = rk_param_total(table);
     for (size_t i = 0; i < total; i++) {
-        struct rk_param_ref ref = rk_param_at(table, i);
-        char here[RK_PARAM_TEXT], there[RK_PARAM_TEXT];
-        rk_param_text(ref, values, here);
-        rk_param_text(ref, base, there);
-        if (strcmp(here, there) != 0) {
-            write_value(out, "    ", ref, values);
+        struct rk_param_line here = rk_param_line(table, i, values);
+        struct rk_param_line there = rk_param_line(table, i, base);
+        if (strcmp(here.text, there.text) != 0) {
+            fprintf(out, "    %s: %s\n", here.path, here.text);
         }
     }
 }

@@ -32,8 +32,12 @@ enum rk_status rk_yaml_wrong(const struct rk_yaml *tree, struct rk_yaml_place pl
     vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
     rk_fail(err, RK_EINVALID, "%s", message);
-    rk_error_locate(err, "%s:%zu:%zu", tree->name, place.line, place.column);
+    rk_yaml_locate(tree, place, err);
     return RK_EINVALID;
+}
+
+void rk_yaml_locate(const struct rk_yaml *tree, struct rk_yaml_place place, struct rk_error *err) {
+    rk_error_locate(err, "%s:%zu:%zu", tree->name, place.line, place.column);
 }
 
 const char *rk_yaml_kind_name(enum rk_yaml_kind kind) {
@@ -256,9 +260,7 @@ static enum rk_status build(struct builder *b, const unsigned char *bytes, size_
     yaml_parser_delete(&parser);
     free(b->key);
     if (status == RK_OK && b->tree->count == 0) {
-        rk_fail(b->err, RK_EINVALID, "the file is empty");
-        rk_error_locate(b->err, "%s:1:1", b->tree->name);
-        status = RK_EINVALID;
+        status = rk_yaml_wrong(b->tree, (struct rk_yaml_place){1, 1}, b->err, "the file is empty");
     }
     return status;
 }

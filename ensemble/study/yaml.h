@@ -63,6 +63,9 @@ enum rk_status rk_yaml_wrong(const struct rk_yaml *tree, struct rk_yaml_place pl
                              struct rk_error *err, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
+/* Add a place of the tree's file to an error that has none. */
+void rk_yaml_locate(const struct rk_yaml *tree, struct rk_yaml_place place, struct rk_error *err);
+
 /* "a map", "a list", "a single value". */
 const char *rk_yaml_kind_name(enum rk_yaml_kind kind);
 

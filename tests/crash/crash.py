@@ -35,11 +35,11 @@ def status(folder):
 
 
 def contents(folder):
-    """All that is to be the same: everything but the lock, which names a process."""
+    """All that is to be the same."""
     return {
         str(path.relative_to(folder)): path.read_bytes()
         for path in sorted(folder.rglob("*"))
-        if path.is_file() and path.name != "lock"
+        if path.is_file()
     }
 
 

@@ -105,13 +105,10 @@ static void no_two_replicas_are_alike(void **state) {
     rk_scene_free(again);
 }
 
-/* Below Gamma = 1 the plate never falls away from under the bed: with periodic sides the intruder
- * keeps its place (M fig. 28b). Its height above the plate after 30 periods is that at the start
- * to within the compaction of the bed: a small part of its own radius. */
-static void a_gentle_shake_does_not_lift_the_intruder(void **state) {
-    (void)state;
+/* How far the intruder has risen above the plate after 30 periods with periodic sides. */
+static double rise_at(double acceleration) {
     struct rk_bne bne = small_box(&rk_bne_sides_periodic, 14, 200);
-    bne.drive.acceleration = 0.8;
+    bne.drive.acceleration = acceleration;
     bne.accuracy.step = 0.04;
     bne.run.periods = 30;
     struct rk_scene *scene = prepared(&bne, 0);
@@ -123,8 +120,20 @@ static void a_gentle_shake_does_not_lift_the_intruder(void **state) {
         fail_msg("%s", err.message);
     }
     rk_scene_grain(scene, 0, &after, NULL);
-    assert_true(fabs(after.y - before.y) < 0.1);
     rk_scene_free(scene);
+    return after.y - before.y;
+}
+
+/* Below Gamma = 1 the plate never falls away from under the bed: with periodic sides the intruder
+ * keeps its place (M fig. 28b) but for the springs beneath it. The column above it, 5 d wide and
+ * some 15 d high, weighs about 20 (a grain weighs 0.25); were one contact of kn = 1000 to carry all
+ * of that, it would give way by 0.02 d, and by 1.8 times as much when the plate pushes hardest.
+ * Three times that is allowed. Shaken hard the same intruder rises by more than a grain, so that
+ * the test can fail. */
+static void a_gentle_shake_does_not_lift_the_intruder(void **state) {
+    (void)state;
+    assert_true(fabs(rise_at(0.8)) < 3 * 1.8 * 0.02);
+    assert_true(rise_at(3) > 1);
 }
 
 /* Without damping and friction a bouncing grain keeps its energy, springs and height included. */

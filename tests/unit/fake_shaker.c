@@ -3,15 +3,18 @@
 #include "ensemble/analysis.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- The engine: grains that turn on circles, each at its own rate ---- */
 
+enum { MOST_GRAINS = 1 << 16 };
+
 struct state {
     uint64_t steps;
     uint64_t grains;
-    double place[256][4];
+    double place[MOST_GRAINS][4];
 };
 
 struct rk_scene {
@@ -90,17 +93,16 @@ void rk_scene_snapshot(const struct rk_scene *scene, const struct rk_snapshot *o
 }
 
 size_t rk_scene_packed_size(const struct rk_scene *scene) {
-    (void)scene;
-    return sizeof(struct state);
+    return offsetof(struct state, place) + scene->state.grains * sizeof *scene->state.place;
 }
 
 void rk_scene_pack(const struct rk_scene *scene, void *block) {
-    memcpy(block, &scene->state, sizeof scene->state);
+    memcpy(block, &scene->state, rk_scene_packed_size(scene));
 }
 
 enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t size,
                                struct rk_error *err) {
-    if (size != sizeof scene->state) {
+    if (size > sizeof scene->state) {
         return rk_fail(err, RK_EFORMAT, "not such a state");
     }
     memcpy(&scene->state, block, size);
@@ -124,7 +126,7 @@ static const struct rk_param_table table = {groups, 1, sizeof(struct fake_shaker
 
 static enum rk_status check(const void *params, struct rk_error *err) {
     const struct fake_shaker_params *p = params;
-    return p->grains <= 256 ? RK_OK : rk_fail(err, RK_EINVALID, "too many grains");
+    return p->grains <= MOST_GRAINS ? RK_OK : rk_fail(err, RK_EINVALID, "too many grains");
 }
 
 static struct rk_schedule schedule(const void *params) {

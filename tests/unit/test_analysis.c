@@ -53,12 +53,17 @@ static void estimate(const struct rk_analysis *analysis, double rise, struct rk_
     free(params);
 }
 
+/* Steps of uniform noise 0.1 wide have the deviation 0.1/sqrt(12); of the rise over a period's ten,
+ * averaged over 12 replicas of 200 periods, that makes 0.1/sqrt(12) sqrt(10/2400) = 0.00186. Five
+ * of them are allowed, here and (over the period of 4) below. */
+static const double error = 0.00186;
+
 static void rise_in_its_units(void **state) {
     (void)state;
     struct rk_result result;
     estimate(&rk_analysis_rise, 0.25, &result);
     double rate = rk_result_number(&result, "rate");
-    assert_true(fabs(rate - 0.25) < 0.02);
+    assert_true(fabs(rate - 0.25) < 5 * error);
     assert_true(rk_result_number(&result, "rate_low") < 0.25);
     assert_true(rk_result_number(&result, "rate_high") > 0.25);
     assert_true(fabs(rk_result_number(&result, "velocity") - rate / 4) < 1e-12);
@@ -76,7 +81,7 @@ static void ldf_in_its_units(void **state) {
     (void)state;
     struct rk_result result;
     estimate(&rk_analysis_ldf, 0.25, &result);
-    assert_true(fabs(rk_result_number(&result, "minimum") - 0.25 / 4) < 0.005);
+    assert_true(fabs(rk_result_number(&result, "minimum") - 0.25 / 4) < 5 * error / 4);
     assert_true(fabs(rk_result_number(&result, "tau") - 5 * 4) < 1e-12);
     assert_true(rk_result_number(&result, "windows") == REPLICAS * PERIODS / 5);
     /* Steps of variance 0.1^2/12 a sample of 0.4: tau var(A) = that variance / 0.4. */
@@ -130,7 +135,7 @@ static void spans_are_checked(void **state) {
     (void)state;
     struct rk_schedule schedule = {.steps = 4000, .sample_every = 10, .samples_per_period = 10};
     struct rk_error err = RK_NO_ERROR;
-    assert_int_equal(rk_analysis_periods(&schedule), 40);
+    assert_int_equal(rk_schedule_periods(&schedule), 40);
     assert_int_equal(rk_analysis_check_span(0, 0, &schedule, &err), RK_OK);
     assert_int_equal(rk_analysis_check_span(39, 40, &schedule, &err), RK_OK);
     assert_int_equal(rk_analysis_check_span(40, 0, &schedule, &err), RK_EINVALID);

@@ -1,14 +1,20 @@
 /* The shared ground: random streams, names, parameters, errors. */
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/number.h"
 #include "base/param.h"
 #include "base/random.h"
+#include "scratch.h"
 
 #include <gsl/gsl_randist.h>
+#include <locale.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -77,6 +83,62 @@ static void memory_is_zeroed_aligned_and_bounded(void **state) {
     free(array);
     assert_null(rk_array_create(SIZE_MAX / 4, 8));
     assert_null(rk_array_create(SIZE_MAX, 1));
+}
+
+static void numbers_read_back(void **state) {
+    (void)state;
+    static const double numbers[] = {0, -0.0, 0.1, 1.0 / 3, 1e300, 5e-324, 123456789012345678.0};
+    char text[RK_NUMBER_TEXT];
+    double x = 7;
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        for (int least = 1; least <= 17; least++) {
+            assert_true(rk_number_read(rk_number_text(numbers[i], least, text), &x));
+            assert_memory_equal(&x, &numbers[i], sizeof x);
+        }
+    }
+    assert_string_equal(rk_number_text(0.1, 15, text), "0.1");
+    assert_string_equal(rk_number_text(1e6, 15, text), "1000000");
+    assert_string_equal(rk_number_text(1e6, 6, text), "1e+06");
+    assert_string_equal(rk_number_text(-INFINITY, 6, text), "-inf");
+    static const char *const none[] = {"", " 1", "1 ", "0x10", "inf", "nan", "1e999", "1,5", "--1"};
+    x = 7;
+    for (size_t i = 0; i < sizeof none / sizeof *none; i++) {
+        assert_false(rk_number_read(none[i], &x));
+        assert_true(x == 7);
+    }
+}
+
+/* A locale of our own making, with a decimal comma, so that the test needs none installed. */
+static bool set_comma(const char *folder) {
+    char command[512];
+    snprintf(command, sizeof command,
+             "cd %s && printf 'LC_NUMERIC\\ndecimal_point \",\"\\nthousands_sep \"\"\\ngrouping "
+             "-1\\nEND LC_NUMERIC\\n' > source && localedef -c -i ./source -f ANSI_X3.4-1968 "
+             "./comma >log 2>&1; test -f comma/LC_NUMERIC",
+             folder);
+    if (system(command) != 0) {
+        return false;
+    }
+    setenv("LOCPATH", folder, 1);
+    return setlocale(LC_NUMERIC, "comma") != NULL;
+}
+
+static void numbers_know_no_locale(void **state) {
+    (void)state;
+    char *folder = scratch_make(), text[RK_NUMBER_TEXT], printed[32];
+    double x = 0;
+    bool there = set_comma(folder);
+    snprintf(printed, sizeof printed, "%g", 0.5);
+    rk_number_text(0.5, 6, text);
+    bool read = rk_number_read("2.5", &x);
+    setlocale(LC_NUMERIC, "C");
+    scratch_remove(folder);
+    if (!there) {
+        skip();
+    }
+    assert_string_equal(printed, "0,5"); /* the locale works */
+    assert_string_equal(text, "0.5");
+    assert_true(read && x == 2.5);
 }
 
 /* A small table to test the parameter code with. */
@@ -203,6 +265,8 @@ int main(void) {
         cmocka_unit_test(a_copied_stream_goes_on_alike),
         cmocka_unit_test(gsl_draws_from_a_stream),
         cmocka_unit_test(memory_is_zeroed_aligned_and_bounded),
+        cmocka_unit_test(numbers_read_back),
+        cmocka_unit_test(numbers_know_no_locale),
         cmocka_unit_test(defaults_are_the_rows_own),
         cmocka_unit_test(a_value_reads_back_to_the_same_bits),
         cmocka_unit_test(bad_values_are_refused_and_change_nothing),

@@ -25,6 +25,8 @@
 
 enum { POINTS = 2 };
 
+static const char *const kept_name = "out/runs/first-0001.h5";
+
 struct fixture {
     char *folder;
     struct fake_shaker_params params[POINTS];
@@ -180,6 +182,28 @@ static void two_programs_do_not_share_a_folder(void **state) {
     rk_store_close(store);
 }
 
+/* Same name, same run: what tells the two files apart is the identity of the plan. */
+static void a_run_of_another_study_is_not_taken(void **state) {
+    struct fixture *f = *state;
+    expect_run(f, "out", 1);
+    f->study.seed = 6;
+    plan_again(f);
+    expect_run(f, "other", 1);
+    const struct rk_run *r = &f->plan->runs[1];
+    const char *folder = scratch_path(f->folder, "other");
+    assert_int_equal(rk_store_run_state(folder, f->plan, r), RK_RUN_DONE);
+    assert_int_equal(rename(scratch_path(f->folder, kept_name),
+                            scratch_path(f->folder, "other/runs/first-0001.h5")),
+                     0);
+    struct rk_observable data;
+    assert_int_equal(rk_store_run_state(folder, f->plan, r), RK_RUN_WAITING);
+    assert_int_equal(rk_store_read(folder, f->plan, r, "intruder.height", &data, NULL), RK_EFORMAT);
+    expect_run(f, "other", 1);
+    assert_non_null(strstr(f->last, "first-0001.h5.damaged"));
+    expect_run(f, "fresh", 1);
+    expect_same(f, "other", "fresh");
+}
+
 /* ---- The same bytes ---- */
 
 static void threads_and_repetition_change_nothing(void **state) {
@@ -264,8 +288,6 @@ static void a_damaged_checkpoint_falls_back(void **state) {
     }
 }
 
-static const char *const kept_name = "out/runs/first-0001.h5";
-
 static void a_damaged_file_is_told_and_done_again(void **state) {
     struct fixture *f = *state;
     expect_run(f, "straight", 1);
@@ -279,13 +301,15 @@ static void a_damaged_file_is_told_and_done_again(void **state) {
         size_t at = i * (size - 1) / 199;
         bytes[at] ^= 0x10;
         scratch_write(path, bytes, size);
-        assert_int_equal(rk_store_read(folder, &f->plan->runs[1], "intruder.height", &data, NULL),
-                         RK_EFORMAT);
+        assert_int_equal(
+            rk_store_read(folder, f->plan, &f->plan->runs[1], "intruder.height", &data, NULL),
+            RK_EFORMAT);
         bytes[at] ^= 0x10;
         scratch_write(path, bytes, at);
-        assert_int_equal(rk_store_read(folder, &f->plan->runs[1], "intruder.height", &data, NULL),
-                         RK_EFORMAT);
-        assert_int_equal(rk_store_run_state(folder, &f->plan->runs[1]), RK_RUN_WAITING);
+        assert_int_equal(
+            rk_store_read(folder, f->plan, &f->plan->runs[1], "intruder.height", &data, NULL),
+            RK_EFORMAT);
+        assert_int_equal(rk_store_run_state(folder, f->plan, &f->plan->runs[1]), RK_RUN_WAITING);
     }
     bytes[size / 2] ^= 0x10;
     scratch_write(path, bytes, size);
@@ -306,7 +330,7 @@ static void observables_are_read_back(void **state) {
     struct rk_error err = RK_NO_ERROR;
     const char *folder = scratch_path(f->folder, "out");
     const struct rk_run *r = &f->plan->runs[0];
-    assert_int_equal(rk_store_read(folder, r, "intruder.height", &data, NULL), RK_OK);
+    assert_int_equal(rk_store_read(folder, f->plan, r, "intruder.height", &data, NULL), RK_OK);
     assert_int_equal(data.samples, 8 * 5 + 1);
     assert_true(data.interval == 40 * 0.01);
     struct rk_scene *scene;
@@ -326,10 +350,10 @@ static void observables_are_read_back(void **state) {
     free(data.values);
     const char *const wrong[] = {"intruder.weight", "intruder", ".", "a.b.c", "../x.y", ""};
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
-        assert_int_equal(rk_store_read(folder, r, wrong[i], &data, &err), RK_EINVALID);
+        assert_int_equal(rk_store_read(folder, f->plan, r, wrong[i], &data, &err), RK_EINVALID);
         assert_null(data.values);
     }
-    assert_int_equal(rk_store_read("/nowhere", r, "intruder.height", &data, &err), RK_EIO);
+    assert_int_equal(rk_store_read("/nowhere", f->plan, r, "intruder.height", &data, &err), RK_EIO);
 }
 
 /* More samples and frames than one chunk holds: every one is compared with the scene itself. */
@@ -345,7 +369,8 @@ static void long_runs_cross_chunks(void **state) {
     const struct rk_run *r = &f->plan->runs[1];
     struct rk_observable data;
     assert_int_equal(
-        rk_store_read(scratch_path(f->folder, "out"), r, "intruder.velocity", &data, NULL), RK_OK);
+        rk_store_read(scratch_path(f->folder, "out"), f->plan, r, "intruder.velocity", &data, NULL),
+        RK_OK);
     assert_int_equal(data.samples, PERIODS * 5 + 1);
     float(*place)[GRAINS][2] = malloc((PERIODS + 1) * sizeof *place);
     float(*angle)[GRAINS] = malloc((PERIODS + 1) * sizeof *angle);
@@ -377,6 +402,60 @@ static void long_runs_cross_chunks(void **state) {
     free(angle);
 }
 
+static size_t steps_recorded(const char *path) {
+    hid_t file = H5Fopen(path, H5F_ACC_RDONLY, 0);
+    hid_t set = H5Dopen2(file, "particles/grains/position/step", 0), space = H5Dget_space(set);
+    hssize_t count = H5Sget_simple_extent_npoints(space);
+    H5Sclose(space);
+    H5Dclose(set);
+    H5Fclose(file);
+    return (size_t)count;
+}
+
+/* What `reckon check` foresees is what is there: 8 periods with a frame every 3 have frames at 0,
+ * 3, 6 and, being the last, 8; every 4 at 0, 4 and 8. */
+static void as_many_records_as_foreseen(void **state) {
+    struct fixture *f = *state;
+    f->params[0].frames = 3;
+    f->params[1].frames = 4;
+    plan_again(f);
+    expect_run(f, "out", 1);
+    for (size_t p = 0; p < POINTS; p++) {
+        struct rk_schedule schedule = fake_shaker.schedule(&f->params[p]);
+        struct rk_observable data;
+        const struct rk_run *r = &f->plan->runs[3 * p];
+        const char *folder = scratch_path(f->folder, "out");
+        assert_int_equal(rk_schedule_periods(&schedule), 8);
+        assert_int_equal(rk_schedule_frames(&schedule), 4 - p);
+        const char *name = p ? "out/runs/second-0000.h5" : "out/runs/first-0000.h5";
+        assert_int_equal(steps_recorded(scratch_path(f->folder, name)), 4 - p);
+        assert_int_equal(rk_store_read(folder, f->plan, r, "intruder.height", &data, NULL), RK_OK);
+        assert_int_equal(data.samples, rk_schedule_samples(&schedule));
+        free(data.values);
+    }
+}
+
+/* One frame of one element as large as a chunk is to be, and one grain less. */
+static void frames_as_large_as_a_chunk_are_written(void **state) {
+    struct fixture *f = *state;
+    f->study.replicas = 1;
+    for (size_t i = 0; i < POINTS; i++) {
+        f->params[i].grains = (1 << 16) - 1 + i;
+        f->params[i].periods = f->params[i].samples = 1;
+    }
+    plan_again(f);
+    expect_run(f, "out", 1);
+    hid_t file = H5Fopen(scratch_path(f->folder, "out/runs/second-0000.h5"), H5F_ACC_RDONLY, 0);
+    hid_t set = H5Dopen2(file, "particles/grains/position/value", 0);
+    hid_t space = H5Dget_space(set);
+    hsize_t dims[3] = {0, 0, 0};
+    assert_int_equal(H5Sget_simple_extent_dims(space, dims, NULL), 3);
+    assert_true(dims[0] == 2 && dims[1] == 1 << 16 && dims[2] == 2);
+    H5Sclose(space);
+    H5Dclose(set);
+    H5Fclose(file);
+}
+
 static void failures_are_results(void **state) {
     struct fixture *f = *state;
     f->params[0].blow_up = 500;
@@ -388,16 +467,19 @@ static void failures_are_results(void **state) {
     struct rk_observable data;
     char reason[512];
     const char *folder = scratch_path(f->folder, "out");
-    assert_int_equal(rk_store_run_reason(folder, &f->plan->runs[0], reason), RK_RUN_FAILED);
+    assert_int_equal(rk_store_run_reason(folder, f->plan, &f->plan->runs[0], reason),
+                     RK_RUN_FAILED);
     assert_string_equal(reason, "grain 3 overlaps at step 500");
-    assert_int_equal(rk_store_read(folder, &f->plan->runs[0], "intruder.height", &data, NULL),
-                     RK_OK);
+    assert_int_equal(
+        rk_store_read(folder, f->plan, &f->plan->runs[0], "intruder.height", &data, NULL), RK_OK);
     assert_int_equal(data.samples, 500 / 40 + 1);
     free(data.values);
-    assert_int_equal(rk_store_run_reason(folder, &f->plan->runs[3], reason), RK_RUN_FAILED);
+    assert_int_equal(rk_store_run_reason(folder, f->plan, &f->plan->runs[3], reason),
+                     RK_RUN_FAILED);
     assert_string_equal(reason, "the bed would not come to rest");
-    assert_int_equal(rk_store_read(folder, &f->plan->runs[3], "intruder.height", &data, NULL),
-                     RK_EREFUSED);
+    assert_int_equal(
+        rk_store_read(folder, f->plan, &f->plan->runs[3], "intruder.height", &data, NULL),
+        RK_EREFUSED);
     expect_run(f, "out", 1); /* failed is an answer: nothing is tried again */
     for (int stops = 0;; stops++) {
         f->polls_left = 11;
@@ -440,6 +522,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(another_studys_folder_is_refused, make, clear),
         cmocka_unit_test_setup_teardown(an_unwritable_folder_is_refused, make, clear),
         cmocka_unit_test_setup_teardown(two_programs_do_not_share_a_folder, make, clear),
+        cmocka_unit_test_setup_teardown(a_run_of_another_study_is_not_taken, make, clear),
         cmocka_unit_test_setup_teardown(threads_and_repetition_change_nothing, make, clear),
         cmocka_unit_test_setup_teardown(stops_change_nothing, make, clear),
         cmocka_unit_test_setup_teardown(more_replicas_go_on, make, clear),
@@ -447,6 +530,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(a_damaged_file_is_told_and_done_again, make, clear),
         cmocka_unit_test_setup_teardown(observables_are_read_back, make, clear),
         cmocka_unit_test_setup_teardown(long_runs_cross_chunks, make, clear),
+        cmocka_unit_test_setup_teardown(as_many_records_as_foreseen, make, clear),
+        cmocka_unit_test_setup_teardown(frames_as_large_as_a_chunk_are_written, make, clear),
         cmocka_unit_test_setup_teardown(failures_are_results, make, clear),
         cmocka_unit_test_setup_teardown(a_full_disk_is_told_and_overcome, make, clear),
     };

@@ -1,6 +1,5 @@
 /* CSV files: what is read, what is refused and where, and that nothing crashes. */
 #include "base/random.h"
-#include "ensemble/analysis/number.h"
 #include "ensemble/input/table.h"
 
 #include <math.h>
@@ -163,19 +162,6 @@ static void any_bytes_end_in_a_sentence(void **state) {
     assert_true(read > 0);
 }
 
-static void numbers_read_back(void **state) {
-    (void)state;
-    static const double numbers[] = {0, -0.0, 0.1, 1.0 / 3, 1e300, 5e-324, 123456789012345678.0};
-    char text[RK_NUMBER_TEXT];
-    double x;
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
-        assert_int_equal(rk_number_read(rk_number_text(numbers[i], text), &x), 1);
-        assert_memory_equal(&x, &numbers[i], sizeof x);
-    }
-    assert_string_equal(rk_number_text(0.1, text), "0.1");
-    assert_string_equal(rk_number_text(-INFINITY, text), "-inf");
-}
-
 static int make_file(void **state) {
     (void)state;
     int file = mkstemp(path);
@@ -193,7 +179,6 @@ int main(void) {
         cmocka_unit_test(wrong_tables),
         cmocka_unit_test(bounds),
         cmocka_unit_test(any_bytes_end_in_a_sentence),
-        cmocka_unit_test(numbers_read_back),
     };
     return cmocka_run_group_tests(tests, make_file, remove_file);
 }
