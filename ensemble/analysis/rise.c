@@ -1,4 +1,8 @@
-/* rise: the intruder's height against time over the ensemble, and its mean rate. */
+/* rise: the intruder's height against time over the ensemble, and its mean rate.
+ *
+ * Heights are taken once a period, at its beginning: what happens within a period is the plate's
+ * doing, as large as the rise of many periods, and would only widen intervals and blur pictures. */
+#include "base/memory.h"
 #include "ensemble/analysis/plot.h"
 #include "ensemble/analysis/private.h"
 #include "stats/stats.h"
@@ -18,20 +22,49 @@ static enum rk_status check(const void *params, const struct rk_schedule *schedu
     return rk_analysis_check_span(p->from, p->to, schedule, err);
 }
 
+/* Once a period. data and lengths of *once are the caller's, free with free(). */
+static enum rk_status once_a_period(const struct rk_point_data *data, struct rk_series *once,
+                                    struct rk_error *err) {
+    const struct rk_series *all = data->series;
+    size_t stride = data->samples_per_period;
+    size_t samples = all->samples > 0 ? (all->samples - 1) / stride + 1 : 0;
+    double *heights = rk_array_create(all->replicas * samples, sizeof *heights);
+    size_t *lengths = rk_array_create(all->replicas, sizeof *lengths);
+    if (!heights || !lengths) {
+        free(heights);
+        free(lengths);
+        return rk_fail(err, RK_EMEMORY, "no memory for %zu heights", all->replicas * samples);
+    }
+    for (size_t r = 0; r < all->replicas; r++) {
+        size_t length = all->lengths ? all->lengths[r] : all->samples;
+        lengths[r] = length > 0 ? (length - 1) / stride + 1 : 0;
+        for (size_t i = 0; i < lengths[r]; i++) {
+            heights[r * samples + i] = all->data[r * all->stride + i * stride];
+        }
+    }
+    *once = (struct rk_series){.data = heights,
+                               .replicas = all->replicas,
+                               .samples = samples,
+                               .stride = samples,
+                               .lengths = lengths,
+                               .interval = data->period};
+    return RK_OK;
+}
+
 static void thin(double *to, const double *from, size_t rows, size_t step) {
     for (size_t i = 0; i < rows; i++) {
         to[i] = from[i * step];
     }
 }
 
-static enum rk_status add_spread(const struct rk_point_data *data, struct rk_result *result,
+static enum rk_status add_spread(const struct rk_series *heights, struct rk_result *result,
                                  struct rk_error *err) {
     static const char *const names[] = {"q05", "q25", "median", "q75", "q95"};
     static const char *const docs[] = {"5 % of the replicas are below", "25 % are below",
                                        "half of them are below", "75 % are below",
                                        "95 % are below"};
     struct rk_spread *spread;
-    enum rk_status status = rk_spread_create(&spread, data->series, err);
+    enum rk_status status = rk_spread_create(&spread, heights, err);
     if (status != RK_OK) {
         return status;
     }
@@ -43,7 +76,7 @@ static enum rk_status add_spread(const struct rk_point_data *data, struct rk_res
         return rk_fail(err, RK_EMEMORY, "out of memory");
     }
     for (size_t i = 0; i < rows; i++) {
-        x[i] = (double)(i * step) / (double)data->samples_per_period;
+        x[i] = (double)(i * step);
     }
     rk_result_column(result, "time", "periods", "since the drive began", rows, x);
     thin(x, spread->mean, rows, step);
@@ -63,20 +96,17 @@ static enum rk_status add_spread(const struct rk_point_data *data, struct rk_res
     return RK_OK;
 }
 
-static enum rk_status estimate(const void *params, const struct rk_point_data *data,
-                               struct rk_result *result, struct rk_error *err) {
+static enum rk_status estimate_rate(const struct rk_rate_options *params,
+                                    const struct rk_series *heights, struct rk_result *result,
+                                    struct rk_error *err) {
     static const char *const of_rate[] = {"rate", "rate_low", "rate_high"};
     static const char *const of_velocity[] = {"velocity", "velocity_low", "velocity_high"};
-    struct rk_rate_options options = *(const struct rk_rate_options *)params;
-    options.from *= data->samples_per_period;
-    options.to *= data->samples_per_period;
     struct rk_rate rate;
-    enum rk_status status =
-        rk_rate_estimate(&rate, data->series, RK_SERIES_INTEGRAL, &options, err);
+    enum rk_status status = rk_rate_estimate(&rate, heights, RK_SERIES_INTEGRAL, params, err);
     if (status != RK_OK) {
         return status;
     }
-    double period = data->period;
+    double period = heights->interval;
     snprintf(result->verdict, sizeof result->verdict, "%s", rate.verdict);
     rk_analysis_add_interval(result, of_rate, "d/period", "mean rise a period", &rate.rate, period);
     rk_analysis_add_interval(result, of_velocity, "sqrt(g d)", "the same as a velocity", &rate.rate,
@@ -89,7 +119,19 @@ static enum rk_status estimate(const void *params, const struct rk_point_data *d
                      (double)rate.units);
     rk_result_scalar(result, "n_eff", "", "effective number of them", rate.rate.n_eff);
     rk_result_scalar(result, "period", "sqrt(d/g)", "duration of a period", period);
-    return add_spread(data, result, err);
+    return add_spread(heights, result, err);
+}
+
+static enum rk_status estimate(const void *params, const struct rk_point_data *data,
+                               struct rk_result *result, struct rk_error *err) {
+    struct rk_series heights;
+    enum rk_status status = once_a_period(data, &heights, err);
+    if (status == RK_OK) {
+        status = estimate_rate(params, &heights, result, err);
+        free((void *)(uintptr_t)heights.data);
+        free((void *)(uintptr_t)heights.lengths);
+    }
+    return status;
 }
 
 static const char head[] = "rise rate [d/period]";
@@ -124,7 +166,7 @@ static void picture(const struct rk_picture *p, FILE *out) {
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
         const char *colour = rk_plot_colour(i);
-        rk_plot_panel(p, i, "height of the intruder above the plate [d]", out);
+        rk_plot_panel(p, i, "height above the plate at the start of a period [d]", out);
         fprintf(out, "set title \"%s: ", panel->point);
         headline(panel->result, out);
         fprintf(out,

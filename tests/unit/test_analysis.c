@@ -67,13 +67,13 @@ static void rise_in_its_units(void **state) {
     assert_true(rk_result_number(&result, "rate_low") < 0.25);
     assert_true(rk_result_number(&result, "rate_high") > 0.25);
     assert_true(fabs(rk_result_number(&result, "velocity") - rate / 4) < 1e-12);
-    assert_int_equal(rk_result_rows(&result), ROWS);
+    assert_int_equal(rk_result_rows(&result), PERIODS + 1);
     const struct rk_value *time = rk_result_find(&result, "time");
-    assert_true(time->numbers[ROWS - 1] == PERIODS);
+    assert_true(time->numbers[PERIODS] == PERIODS);
     const struct rk_value *low = rk_result_find(&result, "q05"),
                           *high = rk_result_find(&result, "q95");
     assert_true(low->numbers[0] == 3 && high->numbers[0] == 3);
-    assert_true(low->numbers[ROWS - 1] < high->numbers[ROWS - 1]);
+    assert_true(low->numbers[PERIODS] < high->numbers[PERIODS]);
     rk_result_clear(&result);
 }
 
