@@ -64,6 +64,9 @@ void rk_report_free(struct rk_report *report);
 enum rk_status rk_report_write(const struct rk_report *report, const char *folder,
                                const struct rk_notice *notice, struct rk_error *err);
 
+/* The names of the files that rk_report_write wrote. */
+void rk_report_print_files(const struct rk_report *report, const char *folder, FILE *out);
+
 /* The closing table, and the same for machines. */
 void rk_report_print(const struct rk_report *report, FILE *out);
 void rk_report_print_json(const struct rk_report *report, FILE *out);

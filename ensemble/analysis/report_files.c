@@ -8,6 +8,7 @@
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* What a file is written from; `write` knows which of the members it needs. */
 struct page {
@@ -139,6 +140,26 @@ enum rk_status rk_report_write(const struct rk_report *report, const char *folde
         status = write_entry(report, &report->entries[i], place.text, notice, err);
     }
     return status;
+}
+
+/* A picture may be missing: then gnuplot was, and that has been said. */
+void rk_report_print_files(const struct rk_report *report, const char *folder, FILE *out) {
+    static const char *const kinds[] = {"png", "csv", "json"};
+    static const char *const names[] = {"pictures", "tables", "JSON"};
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        const char *name = names[k];
+        for (size_t i = 0; i < report->count; i++) {
+            struct rk_path file;
+            if (rk_path_set(&file, NULL, "%s/analysis/%s.%s", folder, report->entries[i].label,
+                            kinds[k]) == RK_OK &&
+                access(file.text, R_OK) == 0) {
+                fprintf(out, "%-9s %s\n", name, file.text);
+                name = "";
+            }
+        }
+    }
+    fprintf(out, "%-9s %s/study.h5 (all of it), %s/analysis/*.POINT.csv (what the pictures show)\n",
+            "", folder, folder);
 }
 
 /* "folder/name.png" in its parts. The name goes into a script: harmless characters only. */

@@ -45,7 +45,8 @@ static enum rk_status carry_out(const char *folder, const struct rk_study *study
         rk_report_print_json(report, stdout);
     } else if (status == RK_OK) {
         rk_report_print(report, stdout);
-        printf("\nTables, JSON and pictures are in %s/analysis\n", folder);
+        printf("\n");
+        rk_report_print_files(report, folder, stdout);
     }
     rk_report_free(report);
     rk_plan_free(plan);
