@@ -1,6 +1,7 @@
 /* reckon: the program. It finds the subcommand, reads its options and reports what went wrong. */
 #include "base/piece.h"
 #include "ensemble/command/command.h"
+#include "rk_code.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -50,9 +51,9 @@ static void print_version(void) {
     unsigned major, minor, release;
     H5get_libversion(&major, &minor, &release);
     unsigned hash = XXH_versionNumber();
-    printf("reckon %s\nGSL %s, HDF5 %u.%u.%u, libyaml %s, xxHash %u.%u.%u\n", RK_VERSION,
-           gsl_version, major, minor, release, yaml_get_version_string(), hash / 10000,
-           hash / 100 % 100, hash % 100);
+    printf("reckon %s\nGSL %s, HDF5 %u.%u.%u, libyaml %s, xxHash %u.%u.%u\n", RK_CODE, gsl_version,
+           major, minor, release, yaml_get_version_string(), hash / 10000, hash / 100 % 100,
+           hash % 100);
 }
 
 static int unknown_command(const char *name) {

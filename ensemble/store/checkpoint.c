@@ -1,5 +1,6 @@
 #include "ensemble/store/checkpoint.h"
 #include "ensemble/store/files.h"
+#include "rk_code.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -24,8 +25,8 @@ static struct header header_of(const struct rk_origin *origin, const struct rk_c
     memset(&header, 0, sizeof header); /* padding included */
     header.magic = magic;
     header.origin = *origin;
-    memcpy(header.version, RK_VERSION, sizeof RK_VERSION);
-    _Static_assert(sizeof RK_VERSION <= sizeof header.version, "the version has room");
+    memcpy(header.version, RK_CODE, sizeof RK_CODE);
+    _Static_assert(sizeof RK_CODE <= sizeof header.version, "the version has room");
     header.step = c->step;
     header.spool = c->spool;
     header.size = c->size;
@@ -109,9 +110,9 @@ static enum rk_status parse(const char *block, size_t size, const char *path,
     if (memcmp(&header.origin, origin, sizeof *origin) != 0) {
         return rk_fail(err, RK_EFORMAT, "'%s' belongs to another run", path);
     }
-    if (strncmp(header.version, RK_VERSION, sizeof header.version) != 0) {
+    if (strncmp(header.version, RK_CODE, sizeof header.version) != 0) {
         return rk_fail(err, RK_EFORMAT, "'%s' was written by version %.38s, this is %s", path,
-                       header.version, RK_VERSION);
+                       header.version, RK_CODE);
     }
     *out = (struct rk_checkpoint){.step = header.step,
                                   .spool = header.spool,

@@ -4,6 +4,7 @@
 #include "ensemble/store/files.h"
 #include "ensemble/store/provenance.h"
 #include "ensemble/store/seal.h"
+#include "rk_code.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -57,7 +58,7 @@ static void write_h5md_group(struct writer *w) {
     rk_h5_note(&w->h5, author, "name", "Sand Reckoner");
     hid_t creator = rk_h5_group(&w->h5, h5md, "creator");
     rk_h5_note(&w->h5, creator, "name", "reckon");
-    rk_h5_note(&w->h5, creator, "version", RK_VERSION);
+    rk_h5_note(&w->h5, creator, "version", RK_CODE);
     hid_t modules = rk_h5_group(&w->h5, h5md, "modules");
     hid_t units = rk_h5_group(&w->h5, modules, "units");
     rk_h5_note_value(&w->h5, units, "version", RK_H5_INT, 2, units_version);

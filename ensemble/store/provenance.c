@@ -1,4 +1,5 @@
 #include "ensemble/store/provenance.h"
+#include "rk_code.h"
 
 #include <gsl/gsl_version.h>
 #include <stdio.h>
@@ -14,7 +15,7 @@ void rk_provenance_study(struct rk_h5 *h5, hid_t object, const struct rk_plan *p
     rk_h5_note(h5, object, "case", study->scene->piece.name);
     rk_h5_note(h5, object, "identity", plan->identity);
     rk_h5_note_value(h5, object, "seed", RK_H5_COUNT, 0, &study->seed);
-    rk_h5_note(h5, object, "code_version", RK_VERSION);
+    rk_h5_note(h5, object, "code_version", RK_CODE);
     rk_h5_note(h5, object, "hdf5_version", version);
     rk_h5_note(h5, object, "gsl_version", gsl_version);
 }
