@@ -1,0 +1,145 @@
+/* What a grain-step costs in larger scenes, and what a second thread brings.
+ *
+ *     bench_scale [LARGEST]      tiles, default 400: 2501 grains each, a million at 400
+ *
+ * The periodic scene of Martins 2021 is settled and shaken for a quarter of a period; copies of it
+ * side by side make wider beds of the same height, with as many contacts a grain. Each is stepped
+ * by one thread and by two in turns. CPU time decides the cost of a grain-step, wall time the
+ * speed-up (leave the machine alone meanwhile); medians of five. */
+#include "cases/bne/bne.h"
+
+#include <gsl/gsl_math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { TURNS = 5 };
+
+static double seconds(clockid_t clock) {
+    struct timespec t;
+    clock_gettime(clock, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static int by_size(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(double values[TURNS]) {
+    qsort(values, TURNS, sizeof *values, by_size);
+    return values[TURNS / 2];
+}
+
+/* `tiles` copies of a scene side by side, on `threads` threads. */
+static enum rk_status tile(const struct rk_bne *bne, const struct rk_scene *one, size_t tiles,
+                           size_t threads, struct rk_scene **scene, struct rk_error *err) {
+    struct rk_scene_spec spec = *rk_scene_spec(one);
+    size_t n = rk_scene_grains(one);
+    double w = 2 * M_PI / bne->drive.period, width = spec.period_x;
+    struct rk_wall_spec plate = {.normal = {0, 1},
+                                 .friction = true,
+                                 .drive = {.kind = rk_registry_find(&rk_drive_registry, "sinusoid"),
+                                           .amplitude = bne->drive.acceleration / (w * w),
+                                           .period = bne->drive.period,
+                                           .phase = w * rk_scene_time(one),
+                                           .direction = {0, 1}}};
+    spec.grains = n * tiles;
+    spec.period_x = width * (double)tiles;
+    spec.threads = threads;
+    enum rk_status status = rk_scene_create(&spec, scene, err);
+    if (status == RK_OK) {
+        status = rk_scene_add_wall(*scene, &plate, err);
+    }
+    for (size_t k = 0; status == RK_OK && k < tiles; k++) {
+        for (uint32_t i = 0; status == RK_OK && i < n; i++) {
+            struct rk_grain grain;
+            rk_scene_grain(one, i, &grain, NULL);
+            grain.x += (double)k * width;
+            status = rk_scene_add_grain(*scene, &grain, err);
+        }
+    }
+    return status;
+}
+
+/* Median seconds of `steps` steps on one and on two threads: CPU of one, wall of each. */
+static enum rk_status time_tiles(struct rk_scene *scenes[2], uint64_t steps, double out[3],
+                                 struct rk_error *err) {
+    double cpu[TURNS], wall[2][TURNS];
+    enum rk_status status = RK_OK;
+    for (int t = 0; status == RK_OK && t < 2; t++) {
+        status = rk_scene_step(scenes[t], steps, err); /* a copy begins without history */
+    }
+    for (int turn = 0; turn < TURNS; turn++) {
+        for (int t = 0; status == RK_OK && t < 2; t++) {
+            double begin = seconds(CLOCK_MONOTONIC), busy = seconds(CLOCK_PROCESS_CPUTIME_ID);
+            status = rk_scene_step(scenes[t], steps, err);
+            wall[t][turn] = seconds(CLOCK_MONOTONIC) - begin;
+            if (t == 0) {
+                cpu[turn] = seconds(CLOCK_PROCESS_CPUTIME_ID) - busy;
+            }
+        }
+    }
+    if (status == RK_OK) {
+        out[0] = median(cpu);
+        out[1] = median(wall[0]);
+        out[2] = median(wall[1]);
+    }
+    return status;
+}
+
+static enum rk_status measure(const struct rk_bne *bne, const struct rk_scene *one, size_t tiles,
+                              struct rk_error *err) {
+    struct rk_scene *scenes[2] = {NULL, NULL};
+    double times[3];
+    size_t grains = rk_scene_grains(one) * tiles;
+    uint64_t steps = 4000000 / grains + 20;
+    enum rk_status status = tile(bne, one, tiles, 1, &scenes[0], err);
+    if (status == RK_OK) {
+        status = tile(bne, one, tiles, 2, &scenes[1], err);
+    }
+    if (status == RK_OK) {
+        status = time_tiles(scenes, steps, times, err);
+    }
+    if (status == RK_OK) {
+        double work = (double)grains * (double)steps;
+        struct rk_profile profile = rk_scene_profile(scenes[0]);
+        double touching =
+            (double)profile.contacts / (double)rk_scene_steps(scenes[0]) / (double)grains;
+        printf("%9zu %12.1f %13.1f %11.2f %11.2f %10.0f\n", grains, 1e9 * times[0] / work,
+               1e9 * times[0] / work / touching, 2 * touching, times[1] / times[2],
+               (double)rk_scene_memory(scenes[0]) / (double)grains);
+        fflush(stdout);
+    }
+    rk_scene_free(scenes[0]);
+    rk_scene_free(scenes[1]);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    static const size_t tiles[] = {1, 4, 8, 40, 100, 400};
+    size_t largest = argc > 1 ? strtoull(argv[1], NULL, 10) : 400;
+    struct rk_bne bne;
+    struct rk_scene *one = NULL;
+    struct rk_preparation report;
+    struct rk_error err = RK_NO_ERROR;
+    rk_param_defaults(rk_case_bne.params, &bne);
+    bne.box.sides = &rk_bne_sides_periodic;
+    bne.box.width = 28;
+    struct rk_stream stream = rk_stream_of(1, 0, 0, RK_FOR_GRAINS, 0);
+    enum rk_status status = rk_case_bne.prepare(&bne, stream, NULL, &one, &report, &err);
+    if (status == RK_OK) {
+        status = rk_scene_step(one, 6250, &err);
+    }
+    printf("   grains  ns/grain-st. ns/contact-st. contacts/gr. speed-up x2 bytes/grain\n");
+    for (size_t k = 0; status == RK_OK && k < sizeof tiles / sizeof *tiles; k++) {
+        if (tiles[k] <= largest) {
+            status = measure(&bne, one, tiles[k], &err);
+        }
+    }
+    rk_scene_free(one);
+    if (status) {
+        fprintf(stderr, "bench_scale: %s\n", err.message);
+    }
+    return status ? 1 : 0;
+}
