@@ -70,7 +70,7 @@ extern const struct rk_param rk_accuracy_params[RK_ACCURACY_PARAMS];
 struct rk_health_spec {
     double overlap; /* largest overlap, as a share of the smaller radius */
     double travel;  /* largest move in one step, as a share of the grain's radius */
-    uint64_t every; /* steps between two checks */
+    uint64_t every; /* steps between two checks, at most; fewer while grains are fast */
 };
 enum { RK_HEALTH_PARAMS = 3 };
 extern const struct rk_param rk_health_params[RK_HEALTH_PARAMS];
@@ -169,7 +169,8 @@ enum rk_status rk_scene_add_wall(struct rk_scene *scene, const struct rk_wall_sp
 
 /* Advance by `steps` time steps. RK_EUNSTABLE when the state has become nonsense: the message
  * names the time, the grain, the value and the largest stable dt; the scene stays as it was found.
- * The check is made every spec.health.every steps and at no other moment. */
+ * The check is made every spec.health.every steps, and as much oftener as it takes for no grain to
+ * pass through another between two checks; when that is depends on the state alone. */
 enum rk_status rk_scene_step(struct rk_scene *scene, uint64_t steps, struct rk_error *err);
 
 /* Between two phases of one run (a settled bed begins to be shaken): the clock goes back to step

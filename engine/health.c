@@ -165,6 +165,38 @@ static enum rk_status check_overlaps(const struct rk_scene *scene, struct rk_err
     return RK_OK;
 }
 
+/* The farthest that two bodies may have moved against each other in a step. */
+static double farthest(const struct rk_scene *scene, const struct rk_bounds *move) {
+    double span[2];
+    for (int k = 0; k < 2; k++) {
+        double low = move->low[k] < 0 ? move->low[k] : 0; /* against a body at rest, too */
+        double high = move->high[k] > 0 ? move->high[k] : 0;
+        for (size_t w = 0; w < scene->wall_count; w++) {
+            double wall = scene->walls[w].velocity[k] * scene->spec.dt;
+            low = wall < low ? wall : low;
+            high = wall > high ? wall : high;
+        }
+        span[k] = high - low;
+    }
+    return hypot(span[0], span[1]);
+}
+
+bool rk_health_due(const struct rk_scene *scene, const struct rk_bounds *move) {
+    const struct rk_health_spec *health = &scene->spec.health;
+    if (scene->steps % health->every == 0) {
+        return true;
+    }
+    double radius = scene->neighbours.smallest, far = farthest(scene, move);
+    if (!(far <= health->travel * radius)) {
+        return true; /* something runs away, or is very fast: before it spreads */
+    }
+    uint64_t interval = health->every;
+    while (interval > 1 && (double)interval * far > 0.5 * radius) {
+        interval /= 2;
+    }
+    return interval < health->every && scene->steps % interval == 0;
+}
+
 enum rk_status rk_health_check(const struct rk_scene *scene, struct rk_error *err) {
     enum rk_status status = check_grains(scene, err);
     return status ? status : check_overlaps(scene, err);

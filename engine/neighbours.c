@@ -472,6 +472,7 @@ enum rk_status rk_neighbours_prepare(struct rk_scene *scene, struct rk_error *er
     for (size_t i = 0; i < n && radii[i] <= 1.5 * quartile; i++) {
         near->bulk_radius = radii[i];
     }
+    near->smallest = n ? radii[0] : 0.5;
     near->largest = n > 1 ? radii[n - 1] + radii[n - 2] : 0;
     free(radii);
     near->cell = 2 * near->bulk_radius + scene->spec.accuracy.skin;
