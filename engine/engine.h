@@ -139,8 +139,9 @@ struct rk_material rk_contact_material(const struct rk_contact_spec *contact, do
 double rk_contact_gamma(const struct rk_contact_spec *contact, double smallest);
 
 /* The largest time step for which velocity Verlet with the dashpot at the predicted velocity is
- * stable for a grain of mass `smallest` in a triangular packing (w^2 = 6 kn/m, damping likewise;
- * physics of section "Integrators" in the README). */
+ * stable for a grain of mass `smallest` in a triangular packing of its like (w^2 = 6 kn/m, damping
+ * likewise; with friction w^2 = 24 kt/m of turning; physics of section "Integrators" in the
+ * README). A light grain that touches more than six others may need a shorter one. */
 double rk_verlet_limit(double zeta); /* largest stable w0 dt of one contact of that damping */
 double rk_stable_step(const struct rk_contact_spec *contact, double gamma, double smallest);
 
