@@ -255,7 +255,8 @@ struct rk_strain rk_scene_strain(const struct rk_scene *scene);
 /* ---- Keeping and resuming ---------------------------------------------------------------- */
 
 /* The state as a block of bytes: everything that the field tables declare. Unpack into a scene
- * with the same spec, the same walls and no grains; the run goes on with the same bytes.
+ * with the same spec, the same walls and no grains; the run goes on with the same bytes. Contacts
+ * are there at once; their normal forces and those on walls are 0 until the next step.
  * RK_EFORMAT when the block is not such a state (it may come from a damaged file: every size and
  * index is checked); the scene must then be freed. */
 size_t rk_scene_packed_size(const struct rk_scene *scene);

@@ -1,6 +1,8 @@
 /* The state of a scene as a block of bytes, and back: everything that the field tables declare. */
 #include "base/memory.h"
 #include "engine/fields.h"
+#include "engine/kernel.h"
+#include "engine/neighbours.h"
 #include "engine/scene.h"
 #include "engine/walls.h"
 
@@ -157,6 +159,27 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
     return twice ? damaged(err, "two grains have the same number") : RK_OK;
 }
 
+/* Contacts as they were, so that the scene can be looked at before it steps: which touch follows
+ * from the positions, what they remember is handed on. Only forces have to wait for a step. */
+static enum rk_status find_contacts(struct rk_scene *scene, struct rk_error *err) {
+    if (!scene->primed) {
+        return RK_OK; /* it has never had any */
+    }
+    struct rk_pairs *pairs = &scene->pairs;
+    struct rk_touching *t = &scene->touching;
+    enum rk_status status = rk_neighbours_build(scene, err);
+    if (status) {
+        return status;
+    }
+    scene->kernel->touch(&scene->grains, pairs, t);
+    for (size_t h = 0; h < t->histories; h++) {
+        for (size_t c = 0; c < t->count; c++) {
+            pairs->history[h][t->pair[c]] = t->history[h][c];
+        }
+    }
+    return rk_walls_touch(scene, err);
+}
+
 enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t size,
                                struct rk_error *err) {
     uint64_t scalars[STATE_SCALARS];
@@ -195,5 +218,6 @@ enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t
         status = check_contacts(scene, err);
     }
     rk_walls_move(scene, rk_scene_time(scene));
-    return status == RK_OK ? rk_scene_get_ready(scene, err) : status;
+    status = status ? status : rk_scene_get_ready(scene, err);
+    return status ? status : find_contacts(scene, err);
 }
