@@ -71,7 +71,7 @@ const struct rk_param rk_contact_params[RK_CONTACT_PARAMS] = {
          "0: use damping. Else the restitution of two smallest grains, from which damping follows"),
     REAL(kt, "m g/d", 750, 0, false, 1e15, "tangential stiffness (cundall-strack, rolling)"),
     REAL(mu, "", 0.5, 0, false, 1e6, "coefficient of friction (used with friction)"),
-    REAL(gamma_t, "m sqrt(g/d)", 10, 0, false, 1e15, "tangential damping (haff-werner)"),
+    REAL(gamma_t, "m sqrt(g/d)", 5, 0, false, 1e15, "tangential damping (haff-werner)"),
     REAL(mu_rolling, "", 0.05, 0, false, 1e6, "coefficient of rolling resistance (spring)"),
     REAL(young, "m g/d^2", 1e4, 0, true, 1e15, "elastic modulus of a grain (viscoelastic)"),
     REAL(loss, "sqrt(d/g)", 0.01, 0, false, 1e6, "A, the time of viscous loss (viscoelastic)"),

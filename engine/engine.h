@@ -70,7 +70,7 @@ extern const struct rk_param rk_accuracy_params[RK_ACCURACY_PARAMS];
 struct rk_health_spec {
     double overlap; /* largest overlap, as a share of the smaller radius */
     double travel;  /* largest move in one step, as a share of the grain's radius */
-    uint64_t every; /* steps between two checks */
+    uint64_t every; /* steps between two checks, at most; fewer while grains are fast */
 };
 enum { RK_HEALTH_PARAMS = 3 };
 extern const struct rk_param rk_health_params[RK_HEALTH_PARAMS];
@@ -140,8 +140,9 @@ struct rk_material rk_contact_material(const struct rk_contact_spec *contact, do
 double rk_contact_gamma(const struct rk_contact_spec *contact, double smallest);
 
 /* The largest time step for which velocity Verlet with the dashpot at the predicted velocity is
- * stable for a grain of mass `smallest` in a triangular packing (w^2 = 6 kn/m, damping likewise;
- * physics of section "Integrators" in the README). */
+ * stable for a grain of mass `smallest` in a triangular packing of its like (w^2 = 6 kn/m, damping
+ * likewise; with friction w^2 = 24 kt/m of turning; physics of section "Integrators" in the
+ * README). A light grain that touches more than six others may need a shorter one. */
 double rk_verlet_limit(double zeta); /* largest stable w0 dt of one contact of that damping */
 double rk_stable_step(const struct rk_contact_spec *contact, double gamma, double smallest);
 
@@ -170,7 +171,8 @@ enum rk_status rk_scene_add_wall(struct rk_scene *scene, const struct rk_wall_sp
 
 /* Advance by `steps` time steps. RK_EUNSTABLE when the state has become nonsense: the message
  * names the time, the grain, the value and the largest stable dt; the scene stays as it was found.
- * The check is made every spec.health.every steps and at no other moment. */
+ * The check is made every spec.health.every steps, and as much oftener as it takes for no grain to
+ * pass through another between two checks; when that is depends on the state alone. */
 enum rk_status rk_scene_step(struct rk_scene *scene, uint64_t steps, struct rk_error *err);
 
 /* Between two phases of one run (a settled bed begins to be shaken): the clock goes back to step
@@ -254,7 +256,8 @@ struct rk_strain rk_scene_strain(const struct rk_scene *scene);
 /* ---- Keeping and resuming ---------------------------------------------------------------- */
 
 /* The state as a block of bytes: everything that the field tables declare. Unpack into a scene
- * with the same spec, the same walls and no grains; the run goes on with the same bytes.
+ * with the same spec, the same walls and no grains; the run goes on with the same bytes. Contacts
+ * are there at once; their normal forces and those on walls are 0 until the next step.
  * RK_EFORMAT when the block is not such a state (it may come from a damaged file: every size and
  * index is checked); the scene must then be freed. */
 size_t rk_scene_packed_size(const struct rk_scene *scene);

@@ -91,13 +91,29 @@ static void stiffest(const struct rk_contact_spec *contact, double gamma, double
     }
 }
 
+/* With friction there is a motion that may be faster: all turn the same way, and at six contacts
+ * the slip is twice R omega, so that omega'' = -24 kt/m omega or omega' = -24 gamma_t/m omega.
+ *     Cundall-Strack: f' = f - kt h (v + h f/m), v' = v + h (f + f')/(2 m): determinant
+ *     1 - k/2 and trace 2 - 3 k/2 with k = (w h)^2, in the unit circle while k < 2.
+ *     Haff-Werner: a' = -b (v + h a), v' = v + h (a + a')/2: while b h < 1. */
+static double turning_limit(const struct rk_contact_spec *contact, double smallest) {
+    if (contact->friction == &rk_friction_cundall_strack.piece && contact->mu > 0) {
+        return sqrt(2 * smallest / (24 * contact->kt));
+    }
+    if (contact->friction == &rk_friction_haff_werner.piece && contact->mu > 0) {
+        return smallest / (24 * contact->gamma_t);
+    }
+    return INFINITY;
+}
+
 double rk_stable_step(const struct rk_contact_spec *contact, double gamma, double smallest) {
     double stiffness, dashpot;
     stiffest(contact, gamma, smallest, &stiffness, &dashpot);
     /* The stiffest motion of a grain among six alike: springs and dashpots add up to 6 of each. */
     double w = sqrt(6 * stiffness / smallest);
     double zeta = 6 * dashpot / smallest / (2 * w);
-    return rk_verlet_limit(zeta) / w;
+    double limit = rk_verlet_limit(zeta) / w, turning = turning_limit(contact, smallest);
+    return limit < turning ? limit : turning;
 }
 
 /* ---- The check ------------------------------------------------------------------------------ */
@@ -163,6 +179,38 @@ static enum rk_status check_overlaps(const struct rk_scene *scene, struct rk_err
         }
     }
     return RK_OK;
+}
+
+/* The farthest that two bodies may have moved against each other in a step. */
+static double farthest(const struct rk_scene *scene, const struct rk_bounds *move) {
+    double span[2];
+    for (int k = 0; k < 2; k++) {
+        double low = move->low[k] < 0 ? move->low[k] : 0; /* against a body at rest, too */
+        double high = move->high[k] > 0 ? move->high[k] : 0;
+        for (size_t w = 0; w < scene->wall_count; w++) {
+            double wall = scene->walls[w].velocity[k] * scene->spec.dt;
+            low = wall < low ? wall : low;
+            high = wall > high ? wall : high;
+        }
+        span[k] = high - low;
+    }
+    return hypot(span[0], span[1]);
+}
+
+bool rk_health_due(const struct rk_scene *scene, const struct rk_bounds *move) {
+    const struct rk_health_spec *health = &scene->spec.health;
+    if (scene->steps % health->every == 0) {
+        return true;
+    }
+    double radius = scene->neighbours.smallest, far = farthest(scene, move);
+    if (!(far <= health->travel * radius)) {
+        return true; /* something runs away, or is very fast: before it spreads */
+    }
+    uint64_t interval = health->every;
+    while (interval > 1 && (double)interval * far > 0.5 * radius) {
+        interval /= 2;
+    }
+    return interval < health->every && scene->steps % interval == 0;
 }
 
 enum rk_status rk_health_check(const struct rk_scene *scene, struct rk_error *err) {

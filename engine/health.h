@@ -7,4 +7,10 @@
 /* RK_EUNSTABLE with time, grain, value and the largest stable dt; the scene is not touched. */
 enum rk_status rk_health_check(const struct rk_scene *scene, struct rk_error *err);
 
+/* Is a check due after a step in which grains moved within these bounds? Every health.every steps;
+ * while something moves farther than health.travel in one step; and else as often as it takes for
+ * nothing to move by more than half the smallest radius, against anything else, between two
+ * checks. It looks at this step alone, so a resumed run checks at the same steps. */
+bool rk_health_due(const struct rk_scene *scene, const struct rk_bounds *move);
+
 #endif

@@ -218,18 +218,22 @@ struct rk_profile rk_scene_profile(const struct rk_scene *scene) {
 
 size_t rk_scene_memory(const struct rk_scene *scene) {
     const struct rk_neighbours *near = &scene->neighbours;
-    size_t grain = 10 * sizeof(double) + sizeof(uint32_t) + RK_FORCE_WIDTH * sizeof(double) +
-                   4 * sizeof(uint32_t);
-    size_t pair = 3 * sizeof(uint32_t) + 4 * sizeof(double) + RK_FORCE_WIDTH * sizeof(double);
-    grain += scene->has[RK_IF_ROTATES] ? 4 * sizeof(double) : 0;
-    pair += scene->spec.period_x > 0 ? sizeof(double) : 0;
-    pair += 2 * sizeof(uint32_t) + (scene->has[RK_IF_ROTATES] ? 2 * sizeof(double) : 0);
+    const size_t real = sizeof(double), index = sizeof(uint32_t);
+    /* tag, index_of, cell_of, in_cell and row_start of each grain */
+    size_t grain = (9 + RK_FORCE_WIDTH) * real + 5 * index;
+    grain += scene->has[RK_IF_ROTATES] ? 4 * real : 0;
+    grain += scene->has[RK_IF_MIXED] ? index : 0;
+    /* first, second and reach2 of a pair; first, second, pair, dx, dy, d2 and force of a contact */
+    size_t pair = 5 * index + (4 + RK_FORCE_WIDTH) * real;
+    pair += scene->pairs.shift ? real : 0;
+    pair += 2 * scene->pairs.histories * real;
+    size_t touch = 3 * index + (8 + RK_HISTORIES + RK_FORCE_WIDTH) * real;
     size_t bytes = sizeof *scene + grain * scene->grains.capacity + pair * scene->pairs.capacity +
-                   near->found_capacity * sizeof(uint64_t) +
-                   near->cell_capacity * sizeof(uint32_t) +
-                   scene->wall_touching.capacity * (2 * sizeof(uint32_t) + 3 * sizeof(double));
+                   near->found_capacity * sizeof(uint64_t) + near->cell_capacity * index +
+                   scene->wall_touching.capacity * touch + scene->ledger.count * 9 * real +
+                   scene->spec.walls * sizeof *scene->walls;
     for (size_t w = 0; w < scene->wall_count; w++) {
-        bytes += scene->walls[w].near_count * (sizeof(uint32_t) + sizeof(double));
+        bytes += scene->walls[w].near_count * (index + RK_HISTORIES * real);
     }
     return bytes;
 }

@@ -28,14 +28,15 @@ const struct rk_registry rk_neighbour_registry = {"neighbour method",
 const struct rk_piece *const rk_neighbour_default = &method_cells.piece;
 
 /* How far the list reaches beyond touching. Listing all pairs still needs the nearest image of
- * each to stay the nearest: a quarter of the box is far from half of it. */
+ * each to be the only one that can be touched: the others are half a box away or farther. */
 static double list_skin(const struct rk_scene *scene) {
     const struct rk_neighbour_method *method =
         (const struct rk_neighbour_method *)scene->spec.accuracy.neighbour;
     if (method->list) {
         return scene->spec.accuracy.skin;
     }
-    return scene->spec.period_x > 0 ? scene->spec.period_x / 4 : INFINITY;
+    double half = 0.5 * scene->spec.period_x, room = half - scene->neighbours.largest;
+    return half > 0 ? (room < 0.5 * half ? room : 0.5 * half) : INFINITY;
 }
 
 bool rk_neighbours_hold(const struct rk_scene *scene) {
@@ -474,6 +475,7 @@ enum rk_status rk_neighbours_prepare(struct rk_scene *scene, struct rk_error *er
     for (size_t i = 0; i < n && radii[i] <= 1.5 * quartile; i++) {
         near->bulk_radius = radii[i];
     }
+    near->smallest = n ? radii[0] : 0.5;
     near->largest = n > 1 ? radii[n - 1] + radii[n - 2] : 0;
     free(radii);
     near->cell = 2 * near->bulk_radius + scene->spec.accuracy.skin;

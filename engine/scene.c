@@ -72,6 +72,29 @@ static enum rk_status check_spec(const struct rk_scene_spec *spec, struct rk_err
     return RK_OK;
 }
 
+/* NaN and infinity would spread from here into every grain. */
+static enum rk_status check_numbers(const struct rk_scene_spec *spec, struct rk_error *err) {
+    const struct rk_contact_spec *c = &spec->contact;
+    const double numbers[] = {spec->gamma, spec->smallest, c->kn,    c->kt,   c->mu,
+                              c->gamma_t,  c->mu_rolling,  c->young, c->loss, spec->accuracy.skin};
+    for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) {
+        if (!(numbers[k] >= 0) || !isfinite(numbers[k])) {
+            return rk_fail(err, RK_EINVALID,
+                           "the numbers of a contact, the smallest mass and the skin must be "
+                           "finite and not below 0, one is %g",
+                           numbers[k]);
+        }
+    }
+    if (!(spec->health.overlap > 0) || !isfinite(spec->health.overlap) ||
+        !(spec->health.travel > 0) || !isfinite(spec->health.travel)) {
+        return rk_fail(err, RK_EINVALID,
+                       "the limits of overlap and travel must be above 0 and finite, they are %g "
+                       "and %g",
+                       spec->health.overlap, spec->health.travel);
+    }
+    return RK_OK;
+}
+
 static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     struct rk_neighbours *near = &scene->neighbours;
     size_t n = scene->spec.grains;
@@ -113,6 +136,9 @@ enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene
                                struct rk_error *err) {
     *scene = NULL;
     enum rk_status status = check_spec(spec, err);
+    if (status == RK_OK) {
+        status = check_numbers(spec, err);
+    }
     if (status == RK_OK) {
         status = rk_contact_check(&spec->contact, err);
     }
@@ -464,7 +490,7 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
         return status;
     }
     uint64_t since = scene->now ? scene->now() : 0;
-    rk_shares_predict(scene);
+    struct rk_bounds move = rk_shares_predict(scene);
     rk_walls_move(scene, (double)(scene->steps + 1) * scene->spec.dt);
     tick(scene, RK_PHASE_MOVE, since);
     status = add_forces(scene, law, err);
@@ -479,7 +505,7 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
         rk_shares_gather(scene);
         rk_ledger_step(scene);
     }
-    if (scene->steps % scene->spec.health.every != 0) {
+    if (!rk_health_due(scene, &move)) {
         return RK_OK;
     }
     rk_shares_gather(scene);

@@ -80,6 +80,7 @@ struct rk_neighbours {
     double cell;            /* side of a cell */
     double bulk_radius;     /* grains up to this fit the cells; larger ones search further */
     double largest;         /* the largest sum of two radii */
+    double smallest;        /* the smallest radius */
     uint64_t *found;        /* scratch: pairs as first << 32 | second */
     size_t found_capacity;
     uint32_t *cell_start, *cell_of, *in_cell; /* scratch: counting sort into cells */

@@ -84,7 +84,7 @@ enum rk_status rk_shares_cut(struct rk_scene *scene, struct rk_error *err) {
     return RK_OK;
 }
 
-void rk_shares_predict(struct rk_scene *scene) {
+struct rk_bounds rk_shares_predict(struct rk_scene *scene) {
     const double dt = scene->spec.dt;
     struct rk_bounds *moved = &scene->neighbours.moved;
     size_t blocks = (scene->grains.count + LANES - 1) / LANES, threads = scene->share_count;
@@ -102,10 +102,14 @@ void rk_shares_predict(struct rk_scene *scene) {
             most.high[k] = part->high[k] > most.high[k] ? part->high[k] : most.high[k];
         }
     }
-    for (int k = 0; k < 2 && scene->grains.count > 0; k++) {
+    if (scene->grains.count == 0) {
+        return (struct rk_bounds){{0, 0}, {0, 0}};
+    }
+    for (int k = 0; k < 2; k++) {
         moved->low[k] += most.low[k];
         moved->high[k] += most.high[k];
     }
+    return most;
 }
 
 void rk_shares_correct(struct rk_scene *scene, double dt) {
@@ -141,6 +145,21 @@ static void push_alone(struct rk_scene *scene, const struct rk_contact_law *law)
     }
     push(scene, law, 0);
     scene->touching.count = scene->shares[0].touching.count;
+}
+
+void rk_shares_touch(struct rk_scene *scene) {
+    for (size_t t = 0; t < scene->share_count; t++) {
+        touch(scene, t);
+        const struct rk_touching *part = &scene->shares[t].touching;
+        for (size_t h = 0; h < part->histories; h++) {
+            for (size_t c = 0; c < part->count; c++) {
+                scene->pairs.history[h][part->pair[c]] = part->history[h][c];
+            }
+        }
+    }
+    scene->touching.count = scene->shares[0].touching.count;
+    scene->scattered = scene->share_count > 1;
+    rk_shares_gather(scene);
 }
 
 void rk_shares_push(struct rk_scene *scene, const struct rk_contact_law *law) {

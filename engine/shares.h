@@ -19,9 +19,13 @@ void rk_shares_free(struct rk_scene *scene);
 /* Cut the present pair list; after each build. */
 enum rk_status rk_shares_cut(struct rk_scene *scene, struct rk_error *err);
 
-/* Predict and correct all grains; the bounds of their moves are added to neighbours.moved. */
-void rk_shares_predict(struct rk_scene *scene);
+/* Predict and correct all grains. The bounds of the moves of this step are given back, and added
+ * to neighbours.moved. */
+struct rk_bounds rk_shares_predict(struct rk_scene *scene);
 void rk_shares_correct(struct rk_scene *scene, double dt);
+
+/* Which pairs touch, what they remember staying with the pairs: no forces, nothing changes. */
+void rk_shares_touch(struct rk_scene *scene);
 
 /* Weights and the forces of all pairs into grains->force. */
 void rk_shares_push(struct rk_scene *scene, const struct rk_contact_law *law);

@@ -1,7 +1,10 @@
 /* The state of a scene as a block of bytes, and back: everything that the field tables declare. */
 #include "base/memory.h"
 #include "engine/fields.h"
+#include "engine/kernel.h"
+#include "engine/neighbours.h"
 #include "engine/scene.h"
+#include "engine/shares.h"
 #include "engine/walls.h"
 
 #include <math.h>
@@ -157,6 +160,20 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
     return twice ? damaged(err, "two grains have the same number") : RK_OK;
 }
 
+/* Contacts as they were, so that the scene can be looked at before it steps: which touch follows
+ * from the positions, what they remember is handed on. Only forces have to wait for a step. */
+static enum rk_status find_contacts(struct rk_scene *scene, struct rk_error *err) {
+    if (!scene->primed) {
+        return RK_OK; /* it has never had any */
+    }
+    enum rk_status status = rk_neighbours_build(scene, err);
+    if (status) {
+        return status;
+    }
+    rk_shares_touch(scene);
+    return rk_walls_touch(scene, err);
+}
+
 enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t size,
                                struct rk_error *err) {
     uint64_t scalars[STATE_SCALARS];
@@ -195,5 +212,6 @@ enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t
         status = check_contacts(scene, err);
     }
     rk_walls_move(scene, rk_scene_time(scene));
-    return status == RK_OK ? rk_scene_get_ready(scene, err) : status;
+    status = status ? status : rk_scene_get_ready(scene, err);
+    return status ? status : find_contacts(scene, err);
 }

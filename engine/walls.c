@@ -198,8 +198,7 @@ static void give(struct rk_scene *scene) {
     }
 }
 
-enum rk_status rk_walls_push(struct rk_scene *scene, const struct rk_contact_law *law,
-                             struct rk_error *err) {
+enum rk_status rk_walls_touch(struct rk_scene *scene, struct rk_error *err) {
     bool renewed = false;
     for (size_t w = 0; w < scene->wall_count; w++) {
         if (!near_holds(scene, &scene->walls[w])) {
@@ -222,6 +221,15 @@ enum rk_status rk_walls_push(struct rk_scene *scene, const struct rk_contact_law
         touch_wall(scene, w);
     }
     fill_up(&scene->wall_touching);
+    return RK_OK;
+}
+
+enum rk_status rk_walls_push(struct rk_scene *scene, const struct rk_contact_law *law,
+                             struct rk_error *err) {
+    enum rk_status status = rk_walls_touch(scene, err);
+    if (status) {
+        return status;
+    }
     scene->kernel->press[law->normal][law->tangent][law->rolls][law->materials > 1](
         &scene->grains, law, &scene->wall_touching);
     give(scene);

@@ -11,7 +11,10 @@
 /* Place and velocity of all walls at time t. */
 void rk_walls_move(struct rk_scene *scene, double t);
 
-/* Add the wall contacts' forces to grains->force, walls in order, grains in order. */
+/* Which grains touch which walls, and what those contacts remember. Forces on walls become 0. */
+enum rk_status rk_walls_touch(struct rk_scene *scene, struct rk_error *err);
+
+/* The same, and add the wall contacts' forces to grains->force, walls in order, grains in order. */
 enum rk_status rk_walls_push(struct rk_scene *scene, const struct rk_contact_law *law,
                              struct rk_error *err);
 

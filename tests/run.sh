@@ -7,4 +7,4 @@ sh packages.sh build tests
 [ -f build/build.ninja ] && grep -q '^RK_TESTS:BOOL=ON' build/CMakeCache.txt ||
     cmake -S . -B build -G Ninja -DRK_TESTS=ON -DRK_WERROR=ON >/dev/null
 cmake --build build
-ctest --test-dir build --output-on-failure -j "$(nproc)" "$@"
+ctest --test-dir build --output-on-failure -LE slow -j "$(nproc)" "$@"

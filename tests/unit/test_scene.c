@@ -17,7 +17,7 @@
 /* A shaken box of a few grains of sizes 1 to 8, packed at `steps`. */
 struct recipe {
     const char *law, *friction, *rolling, *tension, *neighbours, *kernel;
-    bool periodic, mixed;
+    bool periodic, mixed, ledger;
     size_t threads;
     double skin;
 };
@@ -45,7 +45,7 @@ static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
         .accuracy = {.neighbour = rk_registry_find(&rk_neighbour_registry, r->neighbours),
                      .skin = r->skin},
         .health = {.overlap = 0.9, .travel = 0.5, .every = 100},
-        .ledger = r->mixed,
+        .ledger = r->ledger,
         .threads = r->threads,
         .kernel = r->kernel ? rk_registry_find(&rk_kernel_registry, r->kernel) : NULL,
     };
@@ -90,6 +90,7 @@ static void drop_grains(struct rk_scene *scene, const struct recipe *r, size_t g
             .omega = rk_stream_uniform(&stream) - 0.5,
             .radius = radius,
             .mass = radius * radius,
+            .held = i % 20 == 11, /* a few are nailed to their places */
             .material = r->mixed && i % 3 == 0,
         };
         assert_int_equal(rk_scene_add_grain(scene, &grain, NULL), RK_OK);
@@ -139,6 +140,7 @@ static void for_every_physics(void (*check)(struct recipe recipe)) {
             .neighbours = "cells",
             .periodic = k % 2 == 0,
             .mixed = k / 2 % 2 == 0,
+            .ledger = k % 3 == 0,
             .skin = 0.1};
         if (strcmp(recipe.friction, "none") != 0 || strcmp(recipe.rolling, "none") == 0) {
             check(recipe);
@@ -204,6 +206,20 @@ static void threads_give_the_same_bytes(void **state) {
     }
 }
 
+/* The accounts of a resumed run are those of one that was not interrupted. */
+static void check_ledgers(const struct recipe *recipe, const struct rk_scene *resumed) {
+    struct rk_scene *scene = shaken_box(recipe, GRAINS);
+    struct rk_ledger one = {0}, other = {0};
+    drop_grains(scene, recipe, GRAINS);
+    step(scene, STEPS);
+    assert_int_equal(rk_scene_ledger(scene, &one), recipe->ledger);
+    assert_int_equal(rk_scene_ledger(resumed, &other), recipe->ledger);
+    assert_memory_equal(&one, &other, sizeof one);
+    struct rk_energy a = rk_scene_energy(scene), b = rk_scene_energy(resumed);
+    assert_memory_equal(&a, &b, sizeof a);
+    rk_scene_free(scene);
+}
+
 static void check_resume(struct recipe recipe) {
     size_t size, half_size, resumed_size;
     void *block = outcome(&recipe, &size);
@@ -214,11 +230,16 @@ static void check_resume(struct recipe recipe) {
     rk_scene_free(scene);
     struct rk_scene *resumed = shaken_box(&recipe, GRAINS);
     assert_int_equal(rk_scene_unpack(resumed, half, half_size, NULL), RK_OK);
+    void *again = packed(resumed, &resumed_size);
+    assert_int_equal(resumed_size, half_size);
+    assert_memory_equal(again, half, half_size);
     step(resumed, STEPS - HALF);
     void *end = packed(resumed, &resumed_size);
     assert_int_equal(resumed_size, size);
     assert_memory_equal(end, block, size);
+    check_ledgers(&recipe, resumed);
     rk_scene_free(resumed);
+    free(again);
     free(end);
     free(half);
     free(block);
@@ -258,12 +279,76 @@ static void looking_changes_nothing(void **state) {
     for_every_physics(check_onlookers);
 }
 
+/* Between two phases grains are held and let go: a state taken after that knows it. */
+static void held_and_released_grains_are_remembered(void **state) {
+    (void)state;
+    for (int friction = 0; friction < 2; friction++) {
+        struct recipe recipe = {"linear", friction ? "cundall-strack" : "none",
+                                "none",   "cut",
+                                "cells",  NULL,
+                                false,    true,
+                                true,     1,
+                                0.1};
+        size_t size, resumed_size;
+        struct rk_scene *scene = shaken_box(&recipe, GRAINS);
+        drop_grains(scene, &recipe, GRAINS);
+        step(scene, HALF);
+        assert_int_equal(rk_scene_hold(scene, 11, false, NULL), RK_OK);
+        assert_int_equal(rk_scene_hold(scene, 3, true, NULL), RK_OK);
+        void *half = packed(scene, &size);
+        struct rk_scene *resumed = shaken_box(&recipe, GRAINS);
+        assert_int_equal(rk_scene_unpack(resumed, half, size, NULL), RK_OK);
+        free(half);
+        step(scene, STEPS - HALF);
+        step(resumed, STEPS - HALF);
+        void *one = packed(scene, &size), *other = packed(resumed, &resumed_size);
+        assert_int_equal(resumed_size, size);
+        assert_memory_equal(one, other, size);
+        free(one);
+        free(other);
+        rk_scene_free(scene);
+        rk_scene_free(resumed);
+    }
+}
+
+/* A scene may be looked at as soon as it is unpacked, before any step. */
+static void check_look(struct recipe recipe) {
+    size_t size;
+    struct rk_scene *scene = shaken_box(&recipe, GRAINS);
+    drop_grains(scene, &recipe, GRAINS);
+    step(scene, HALF);
+    void *half = packed(scene, &size);
+    struct rk_scene *resumed = shaken_box(&recipe, GRAINS);
+    assert_int_equal(rk_scene_unpack(resumed, half, size, NULL), RK_OK);
+    free(half);
+    struct rk_energy a = rk_scene_energy(scene), b = rk_scene_energy(resumed);
+    assert_true(a.kinetic == b.kinetic && a.rotational == b.rotational);
+    assert_true(a.elastic == b.elastic && a.sheared == b.sheared);
+    struct rk_strain s = rk_scene_strain(scene), t = rk_scene_strain(resumed);
+    assert_true(s.overlap == t.overlap && s.travel == t.travel);
+    assert_int_equal(rk_scene_contacts(scene), rk_scene_contacts(resumed));
+    for (size_t c = 0; c < rk_scene_contacts(scene); c++) {
+        struct rk_contact one, other;
+        rk_scene_contact(scene, c, &one);
+        rk_scene_contact(resumed, c, &other);
+        assert_true(one.first == other.first && one.second == other.second);
+        assert_true(one.overlap == other.overlap && one.wall == other.wall);
+    }
+    rk_scene_free(scene);
+    rk_scene_free(resumed);
+}
+
+static void an_unpacked_scene_can_be_looked_at(void **state) {
+    (void)state;
+    for_every_physics(check_look);
+}
+
 /* A state comes from a file: cut short, lengthened or with any byte changed it is refused or gives
  * a scene that can be stepped; it never leads out of bounds (run under the address sanitizer). */
 static void damaged_states_do_no_harm(void **state) {
     (void)state;
     struct recipe recipe = {
-        "linear", "cundall-strack", "none", "cut", "cells", NULL, false, false, 1, 0.1};
+        "linear", "cundall-strack", "none", "cut", "cells", NULL, false, false, false, 1, 0.1};
     struct rk_scene *scene = shaken_box(&recipe, GRAINS);
     drop_grains(scene, &recipe, GRAINS);
     step(scene, 6000);
@@ -295,7 +380,8 @@ static void damaged_states_do_no_harm(void **state) {
 
 static void wrong_scenes_are_refused(void **state) {
     (void)state;
-    struct recipe recipe = {"linear", "none", "none", "cut", "cells", NULL, false, false, 1, 0.1};
+    struct recipe recipe = {"linear", "none", "none", "cut", "cells", NULL,
+                            false,    false,  false,  1,     0.1};
     struct rk_scene *scene = shaken_box(&recipe, 2);
     struct rk_error err = RK_NO_ERROR;
     static const struct rk_grain bad[] = {
@@ -324,7 +410,8 @@ static void scenes_of_none_one_and_two_grains_run(void **state) {
     (void)state;
     for (size_t grains = 0; grains <= 2; grains++) {
         struct recipe recipe = {"linear", "cundall-strack", "none", "cut", "cells",
-                                NULL,     grains == 1,      false,  1,     0.1};
+                                NULL,     grains == 1,      false,  false, 1,
+                                0.1};
         struct rk_scene *scene = shaken_box(&recipe, grains);
         drop_grains(scene, &recipe, grains);
         step(scene, 5000);
@@ -337,7 +424,7 @@ static void scenes_of_none_one_and_two_grains_run(void **state) {
 static void a_run_gone_wrong_is_stopped_with_the_reason(void **state) {
     (void)state;
     struct recipe recipe = {
-        "linear", "cundall-strack", "none", "cut", "cells", NULL, false, false, 1, 0.1};
+        "linear", "cundall-strack", "none", "cut", "cells", NULL, false, false, false, 1, 0.1};
     struct rk_error err = RK_NO_ERROR;
     struct rk_scene *scene = shaken_box(&recipe, 2);
     struct rk_grain bullet = {.x = 5, .y = 9, .vx = 400, .radius = 0.5, .mass = 0.25};
@@ -360,6 +447,8 @@ int main(void) {
         cmocka_unit_test(methods_skins_and_kernels_give_the_same_bytes),
         cmocka_unit_test(threads_give_the_same_bytes),
         cmocka_unit_test(a_packed_scene_goes_on_with_the_same_bytes),
+        cmocka_unit_test(held_and_released_grains_are_remembered),
+        cmocka_unit_test(an_unpacked_scene_can_be_looked_at),
         cmocka_unit_test(looking_changes_nothing),
         cmocka_unit_test(damaged_states_do_no_harm),
         cmocka_unit_test(wrong_scenes_are_refused),
