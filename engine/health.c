@@ -130,9 +130,9 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
         }
         for (size_t w = 0; w < scene->wall_count; w++) {
             const struct rk_wall *wall = &scene->walls[w];
-            double depth = wall->spec.normal[0] * (wall->at[0] - g->x[i]) +
-                           wall->spec.normal[1] * (wall->at[1] - g->y[i]);
-            if (depth > 0) {
+            double depth = wall->normal[0] * (wall->at[0] - g->x[i]) +
+                           wall->normal[1] * (wall->at[1] - g->y[i]);
+            if (wall->line && depth > 0) { /* other walls have no side to be behind of */
                 return nonsense(scene, i, err, "has left the box: its centre is behind a wall by",
                                 depth, 0);
             }
@@ -165,8 +165,25 @@ static enum rk_status check_overlaps(const struct rk_scene *scene, struct rk_err
     return RK_OK;
 }
 
+static enum rk_status check_lids(const struct rk_scene *scene, struct rk_error *err) {
+    for (size_t w = 0; w < scene->lids.count; w++) {
+        double sane = scene->lids.position[w] + scene->lids.velocity[w];
+        if (!isfinite(sane)) {
+            return rk_fail(err, RK_EUNSTABLE,
+                           "at t = %.6g (step %llu) wall %zu, a lid, has a position or velocity "
+                           "that is no number; it may be too light for dt = %.4g",
+                           rk_scene_time(scene), (unsigned long long)scene->steps, w,
+                           scene->spec.dt);
+        }
+    }
+    return RK_OK;
+}
+
 enum rk_status rk_health_check(const struct rk_scene *scene, struct rk_error *err) {
     enum rk_status status = check_grains(scene, err);
+    if (status == RK_OK) {
+        status = check_lids(scene, err);
+    }
     return status ? status : check_overlaps(scene, err);
 }
 

@@ -121,10 +121,10 @@ void rk_scene_wall(const struct rk_scene *scene, size_t wall, double displacemen
     const struct rk_wall *w = &scene->walls[wall];
     for (int k = 0; k < 2; k++) {
         if (displacement) {
-            displacement[k] = w->at[k] - w->spec.point[k];
+            displacement[k] = w->pose.shift[k];
         }
         if (velocity) {
-            velocity[k] = w->velocity[k];
+            velocity[k] = w->pose.velocity[k];
         }
         if (force) {
             force[k] = w->force[k];
@@ -227,9 +227,12 @@ size_t rk_scene_memory(const struct rk_scene *scene) {
     size_t bytes = sizeof *scene + grain * scene->grains.capacity + pair * scene->pairs.capacity +
                    near->found_capacity * sizeof(uint64_t) +
                    near->cell_capacity * sizeof(uint32_t) +
-                   scene->wall_touching.capacity * (2 * sizeof(uint32_t) + 3 * sizeof(double));
+                   scene->wall_touching.capacity *
+                       (5 * sizeof(uint32_t) + (10 + RK_FORCE_WIDTH) * sizeof(double));
     for (size_t w = 0; w < scene->wall_count; w++) {
-        bytes += scene->walls[w].near_count * (sizeof(uint32_t) + sizeof(double));
+        const struct rk_wall *wall = &scene->walls[w];
+        bytes += wall->near.capacity * (2 * sizeof(uint32_t) + 2 * sizeof(double) + 2) +
+                 wall->primitive_count * sizeof *wall->primitives;
     }
     return bytes;
 }
