@@ -138,8 +138,9 @@ struct rk_drive_spec {
  * polygon:  a chain of edges through the vertices, closed or not; both sides, too
  * arc:      of a circle, counter-clockwise between two angles; from inside and from outside
  * engine/primitives.h says what touches where. Walls with two sides are thin: a grain whose centre
- * gets to the other side stays there. In a periodic box a grain meets them with its nearest image;
- * every edge and arc must be narrower than the box by a large grain's diameter. */
+ * gets to the other side stays there, noticed only by a wall that encloses. In a periodic box a
+ * grain meets them with its nearest image; every edge and arc must be narrower than the box by a
+ * large grain's diameter. */
 struct rk_wall_spec {
     const struct rk_piece *shape; /* out of rk_shape_registry; NULL: line */
     double point[2];              /* of a line: a point of it */
@@ -147,6 +148,8 @@ struct rk_wall_spec {
     const double (*vertices)[2];  /* of a segment or polygon: read when the wall is added */
     size_t vertex_count;
     bool closed;              /* the last vertex is joined to the first */
+    bool encloses;            /* a closed polygon or whole circle: grains belong inside it, and one
+                               * whose centre gets out ends the run */
     double centre[2], radius; /* of an arc */
     double from, to;          /* angles, from < to <= from + 2 pi */
     double pivot[2];          /* it turns, and its torque is reported, about this point of it */

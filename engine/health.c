@@ -1,6 +1,7 @@
 #include "engine/health.h"
 
 #include "engine/contact.h"
+#include "engine/walls.h"
 
 #include <math.h>
 
@@ -113,6 +114,29 @@ static enum rk_status nonsense(const struct rk_scene *scene, size_t i, struct rk
                    rk_stable_step(&spec->contact, spec->gamma, spec->smallest));
 }
 
+static enum rk_status check_sides(const struct rk_scene *scene, size_t i, struct rk_error *err) {
+    const struct rk_grains *g = &scene->grains;
+    for (size_t w = 0; w < scene->wall_count; w++) {
+        const struct rk_wall *wall = &scene->walls[w];
+        double depth =
+            wall->normal[0] * (wall->at[0] - g->x[i]) + wall->normal[1] * (wall->at[1] - g->y[i]);
+        if (wall->line && depth > 0) {
+            return nonsense(scene, i, err, "has left the box: its centre is behind a wall by",
+                            depth, 0);
+        }
+        if (wall->spec.encloses && !rk_wall_encloses(wall, g->x[i], g->y[i])) {
+            return rk_fail(
+                err, RK_EUNSTABLE,
+                "at t = %.6g (step %llu) grain %u at (%.6g, %.6g) has left wall %zu, "
+                "which encloses the grains; dt is %.4g, the largest stable dt is %.4g",
+                rk_scene_time(scene), (unsigned long long)scene->steps, g->tag[i], g->x[i], g->y[i],
+                w, scene->spec.dt,
+                rk_stable_step(&scene->spec.contact, scene->spec.gamma, scene->spec.smallest));
+        }
+    }
+    return RK_OK;
+}
+
 static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error *err) {
     const struct rk_grains *g = &scene->grains;
     const double dt = scene->spec.dt, travel = scene->spec.health.travel;
@@ -128,14 +152,9 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
             return nonsense(scene, i, err, "moves too far in one step, in radii",
                             speed * dt / g->radius[i], travel);
         }
-        for (size_t w = 0; w < scene->wall_count; w++) {
-            const struct rk_wall *wall = &scene->walls[w];
-            double depth = wall->normal[0] * (wall->at[0] - g->x[i]) +
-                           wall->normal[1] * (wall->at[1] - g->y[i]);
-            if (wall->line && depth > 0) { /* other walls have no side to be behind of */
-                return nonsense(scene, i, err, "has left the box: its centre is behind a wall by",
-                                depth, 0);
-            }
+        enum rk_status status = check_sides(scene, i, err);
+        if (status) {
+            return status;
         }
     }
     return RK_OK;

@@ -45,6 +45,12 @@ enum rk_status rk_walls_add(struct rk_scene *scene, const struct rk_wall_spec *s
     if (!fault && (!isfinite(spec->pivot[0]) || !isfinite(spec->pivot[1]))) {
         fault = "the pivot of a wall must be finite";
     }
+    bool whole =
+        !fault && (shape->ring(spec) || (shape == &rk_shape_arc && shape->count(spec) == 1));
+    if (!fault && spec->encloses && (!whole || scene->spec.period_x > 0)) {
+        fault =
+            "only a closed polygon or a whole circle in a box without period can enclose grains";
+    }
     if (fault) {
         return rk_fail(err, RK_EINVALID, "%s", fault);
     }
@@ -255,4 +261,24 @@ double rk_wall_image(const struct rk_scene *scene, const struct rk_wall *wall,
     rk_pose_outward(&wall->pose, arm, arm);
     double middle = pivot[0] + arm[0] + wall->pose.shift[0];
     return x - period * floor((x - middle) / period + 0.5);
+}
+
+bool rk_wall_encloses(const struct rk_wall *wall, double x, double y) {
+    double q[2];
+    bool inside = false;
+    rk_pose_inward(wall, x, y, q);
+    for (size_t p = 0; p < wall->primitive_count; p++) {
+        const struct rk_primitive *primitive = &wall->primitives[p];
+        const double *a = primitive->end[0].at, *b = primitive->end[1].at;
+        if (primitive->kind == RK_PRIMITIVE_ARC) {
+            return hypot(q[0] - primitive->middle[0], q[1] - primitive->middle[1]) <
+                   primitive->radius;
+        }
+        /* Does the ray to the right cross this edge? */
+        if (primitive->kind == RK_PRIMITIVE_EDGE && (a[1] > q[1]) != (b[1] > q[1]) &&
+            q[0] < a[0] + (b[0] - a[0]) * (q[1] - a[1]) / (b[1] - a[1])) {
+            inside = !inside;
+        }
+    }
+    return inside;
 }

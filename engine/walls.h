@@ -34,6 +34,9 @@ void rk_lids_correct(struct rk_scene *scene, double dt);
 double rk_wall_image(const struct rk_scene *scene, const struct rk_wall *wall,
                      const struct rk_primitive *primitive, double x);
 
+/* Is (x, y) inside a wall that encloses? By the even-odd rule; open boxes only. */
+bool rk_wall_encloses(const struct rk_wall *wall, double x, double y);
+
 /* A point in the body's frame, and a body's vector in the world's. */
 void rk_pose_inward(const struct rk_wall *wall, double x, double y, double q[2]);
 void rk_pose_outward(const struct rk_pose *pose, const double body[2], double world[2]);

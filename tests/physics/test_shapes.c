@@ -443,6 +443,7 @@ static void an_hour_glass_runs_and_does_not_leak(void **state) {
                                 .vertices = glass,
                                 .vertex_count = 10,
                                 .closed = true,
+                                .encloses = true,
                                 .friction = true};
     struct rk_scene_spec spec = spec_of("cundall-strack", 4, 1e-3);
     spec.grains = GRAINS;
@@ -471,6 +472,70 @@ static void an_hour_glass_runs_and_does_not_leak(void **state) {
         }
     }
     assert_true(below == count); /* the waist is five grains wide: it never jams */
+    rk_scene_free(scene);
+}
+
+/* A bullet that goes through a wall between two steps is noticed by a wall that encloses. */
+static void a_leak_is_noticed(void **state) {
+    (void)state;
+    static const double box[4][2] = {{0, 0}, {9, 0}, {9, 9}, {0, 9}};
+    struct rk_wall_spec walls[] = {
+        {.shape = shape("polygon"), .vertices = box, .vertex_count = 4, .closed = true},
+        {.shape = shape("arc"), .centre = {4, 4}, .radius = 5, .from = 0, .to = 2 * M_PI}};
+    struct rk_scene_spec spec = spec_of("none", 0, 1e-3);
+    spec.health = (struct rk_health_spec){.overlap = 1, .travel = 9, .every = 1};
+    for (int w = 0; w < 2; w++) {
+        for (int keeps = 0; keeps < 2; keeps++) {
+            struct rk_grain bullet = {
+                .x = 4, .y = 5, .vx = 1900, .vy = 200, .radius = radius, .mass = mass};
+            walls[w].encloses = keeps;
+            struct rk_scene *scene = scene_of(&spec, &walls[w], &bullet);
+            struct rk_error err = RK_NO_ERROR;
+            assert_int_equal(rk_scene_step(scene, 20, &err), keeps ? RK_EUNSTABLE : RK_OK);
+            rk_scene_free(scene);
+        }
+    }
+    struct rk_scene *scene = NULL;
+    assert_int_equal(rk_scene_create(&spec, &scene, NULL), RK_OK);
+    struct rk_wall_spec open = {
+        .shape = shape("polygon"), .vertices = box, .vertex_count = 4, .encloses = true};
+    assert_int_equal(rk_scene_add_wall(scene, &open, NULL), RK_EINVALID);
+    rk_scene_free(scene);
+}
+
+/* Walls that cannot be are refused. */
+static void wrong_walls_are_refused(void **state) {
+    (void)state;
+    static const double twice[3][2] = {{0, 0}, {0, 0}, {1, 1}}, nowhere[2][2] = {{0, 0}, {NAN, 1}};
+    const struct rk_drive_spec weightless = {.kind = drive("servo"), .direction = {1, 0}};
+    const struct rk_drive_spec aimless = {.kind = drive("constant"), .speed = 1};
+    const struct rk_drive_spec blind = {.kind = drive("press"), .direction = {1, 0}};
+    const struct rk_drive_spec mad = {.kind = drive("rotation"), .spin = INFINITY};
+    const struct rk_wall_spec bad[] = {
+        {.shape = shape("polygon"), .vertices = twice, .vertex_count = 3},
+        {.shape = shape("segment"), .vertices = twice, .vertex_count = 3},
+        {.shape = shape("segment"), .vertices = nowhere, .vertex_count = 2},
+        {.shape = shape("segment"), .vertex_count = 2},
+        {.shape = shape("polygon"), .vertices = nowhere, .vertex_count = 1},
+        {.shape = shape("arc"), .radius = 0, .from = 0, .to = 1},
+        {.shape = shape("arc"), .radius = 1, .from = 1, .to = 0},
+        {.shape = shape("arc"), .radius = 1, .from = 0, .to = 7},
+        {.shape = shape("line"), .normal = {0, 2}},
+        {.normal = {0, 1}, .pivot = {NAN, 0}},
+        {.normal = {0, 1}, .drive = weightless},
+        {.normal = {0, 1}, .drive = aimless},
+        {.normal = {0, 1}, .drive = blind},
+        {.normal = {0, 1}, .drive = mad},
+    };
+    struct rk_scene_spec spec = spec_of("none", 0, 1e-3);
+    struct rk_scene *scene = NULL;
+    assert_int_equal(rk_scene_create(&spec, &scene, NULL), RK_OK);
+    for (size_t b = 0; b < sizeof bad / sizeof *bad; b++) {
+        struct rk_error err = RK_NO_ERROR;
+        assert_int_equal(rk_scene_add_wall(scene, &bad[b], &err), RK_EINVALID);
+        assert_true(err.message[0] != 0);
+    }
+    assert_int_equal(rk_scene_walls(scene), 0);
     rk_scene_free(scene);
 }
 
@@ -511,6 +576,8 @@ int main(void) {
         cmocka_unit_test(a_free_lid_obeys_newton),
         cmocka_unit_test(a_press_waits_for_rest),
         cmocka_unit_test(an_hour_glass_runs_and_does_not_leak),
+        cmocka_unit_test(a_leak_is_noticed),
+        cmocka_unit_test(wrong_walls_are_refused),
         cmocka_unit_test(periodic_walls_meet_the_nearest_image),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
