@@ -144,6 +144,23 @@ static size_t contacts_at(const struct rk_wall_spec *wall, double x, double y) {
     return contacts;
 }
 
+/* Within a few last bits of a straight joint there is one contact, on either side of it. */
+static void straight_joints_are_touched_once(void **state) {
+    (void)state;
+    for (int slope = 0; slope < 40; slope++) {
+        const double angle = 0.157 * slope, c = cos(angle), s = sin(angle);
+        const double vertices[4][2] = {
+            {0, 0}, {1.3 * c, 1.3 * s}, {2.9 * c, 2.9 * s}, {4.1 * c, 4.1 * s}};
+        struct rk_wall_spec chain = {
+            .shape = shape("polygon"), .vertices = vertices, .vertex_count = 4};
+        for (int k = -6; k <= 6; k++) {
+            double along = 1.3 + k * 1.1e-16, height = k % 2 ? 0.49 : -0.49;
+            assert_int_equal(contacts_at(&chain, along * c - height * s, along * s + height * c),
+                             1);
+        }
+    }
+}
+
 static void corners_are_touched_once(void **state) {
     (void)state;
     static const double box[4][2] = {{0, 0}, {4, 0}, {4, 4}, {0, 4}};
@@ -339,6 +356,52 @@ static void torque_and_work_agree(void **state) {
     assert_true(fabs(ledger.residual) < 1e-5);
     assert_true(rk_scene_wall_dissipation(scene, 0) > 0);
     rk_scene_free(scene);
+}
+
+/* A wall that comes from afar meets a disc that rests: whoever never moved was not near when the
+ * lists were made, which are renewed for the wall's own motion, too. */
+static void a_wall_from_afar_hits(void **state) {
+    (void)state;
+    static const double bar[3][2] = {{9, 0}, {5, 0}, {5, -1}};
+    static const char *const drives[] = {"rotation", "constant", "servo", "sinusoid"};
+    for (size_t s = 0; s < rk_shape_registry.count; s++) {
+        for (size_t d = 0; d < 4; d++) {
+            struct rk_wall_spec wall = {
+                .shape = rk_shape_registry.pieces[s],
+                .normal = {0, 1},
+                .vertices = bar,
+                .vertex_count = rk_shape_registry.pieces[s] == shape("polygon") ? 3 : 2,
+                .centre = {8, -5},
+                .radius = 5,
+                .to = M_PI,
+                .drive = {.kind = drive(drives[d]),
+                          .direction = {0, 1},
+                          .amplitude = 9,
+                          .period = 18,
+                          .speed = 2,
+                          .spin = 0.5,
+                          .mass = 1,
+                          .load = 1},
+            };
+            struct rk_scene_spec spec = spec_of("none", 0, 1e-3);
+            spec.grains = 2;
+            struct rk_grain disc = {.x = 7, .y = 5, .radius = radius, .mass = mass};
+            struct rk_scene *scene = scene_of(&spec, &wall, &disc);
+            disc.x = 50; /* and one that keeps still */
+            disc.y = 90;
+            assert_int_equal(rk_scene_add_grain(scene, &disc, NULL), RK_OK);
+            size_t hits = 0;
+            for (int n = 0; n < 5000 && hits == 0; n++) {
+                step(scene, 1);
+                hits = rk_scene_contacts(scene);
+            }
+            if (hits != 1 || rk_scene_strain(scene).overlap > 0.02) {
+                fail_msg("%s, %s: %zu contacts, overlap %g", wall.shape->name, drives[d], hits,
+                         rk_scene_strain(scene).overlap);
+            }
+            rk_scene_free(scene);
+        }
+    }
 }
 
 /* A lid under a load, on a disc on the floor: at rest it is carried, force = load + weight. */
@@ -565,6 +628,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(straight_joints_are_not_felt),
         cmocka_unit_test(a_rolling_disc_takes_its_spring_along),
+        cmocka_unit_test(straight_joints_are_touched_once),
         cmocka_unit_test(corners_are_touched_once),
         cmocka_unit_test(arcs_are_touched_once),
         cmocka_unit_test(a_convex_corner_is_rolled_over),
@@ -572,6 +636,7 @@ int main(void) {
         cmocka_unit_test(a_bowl_is_a_pendulum),
         cmocka_unit_test(a_turning_drum_spins_its_disc),
         cmocka_unit_test(torque_and_work_agree),
+        cmocka_unit_test(a_wall_from_afar_hits),
         cmocka_unit_test(a_lid_at_rest_carries_its_load),
         cmocka_unit_test(a_free_lid_obeys_newton),
         cmocka_unit_test(a_press_waits_for_rest),
