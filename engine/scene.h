@@ -97,8 +97,18 @@ struct rk_near {
     double at; /* of a line: normal . at */
 };
 
+/* The primitives of a wall by where they are along x (0) or y (1) in its frame. */
+struct rk_wall_index {
+    int axis;
+    double *middle; /* ascending: coordinate of the primitive's middle */
+    uint32_t *primitive;
+    double bound;         /* the largest of the primitives' */
+    double low_x, high_x; /* all of the wall lies between */
+};
+
 struct rk_wall {
-    struct rk_wall_spec spec; /* without the vertices */
+    struct rk_wall_index index; /* empty for a line */
+    struct rk_wall_spec spec;   /* without the vertices */
     struct rk_primitive *primitives;
     size_t primitive_count;
     bool line;     /* its one primitive is a line */

@@ -138,24 +138,113 @@ static void carry_history(struct rk_near *near, size_t w, const struct rk_wall_t
     }
 }
 
+static enum rk_status list(struct rk_near *near, size_t p, size_t i, struct rk_error *err) {
+    enum rk_status status = make_room(near, err);
+    if (status == RK_OK) {
+        near->primitive[near->count] = (uint32_t)p;
+        near->grain[near->count++] = (uint32_t)i;
+    }
+    return status;
+}
+
+static enum rk_status list_line(const struct rk_scene *scene, struct rk_wall *wall,
+                                struct rk_error *err) {
+    enum rk_status status = RK_OK;
+    for (size_t i = 0; status == RK_OK && i < scene->grains.count; i++) {
+        if (listed(scene, wall, 0, i)) {
+            status = list(&wall->near, 0, i, err);
+        }
+    }
+    return status;
+}
+
+/* The parts that may be near one grain, seen from (x, its y). */
+static enum rk_status list_grain(const struct rk_scene *scene, struct rk_wall *wall, size_t i,
+                                 double x, struct rk_error *err) {
+    const struct rk_grains *g = &scene->grains;
+    double q[2], reach = g->radius[i] + margin(scene);
+    size_t place = 0, last = wall->primitive_count;
+    enum rk_status status = RK_OK;
+    /* A body that turns in a periodic box has no x in common with its images: look at all of it. */
+    if (!(scene->spec.period_x > 0) || wall->pose.angle == 0) {
+        rk_pose_inward(wall, x, g->y[i], q);
+        rk_wall_index_search(wall, q, reach, &place, &last);
+    }
+    for (; status == RK_OK && place < last; place++) {
+        size_t p = wall->index.primitive[place];
+        if (listed(scene, wall, p, i)) {
+            status = list(&wall->near, p, i, err);
+        }
+    }
+    return status;
+}
+
+/* Every grain with each of its images that lie beside the wall. */
+static enum rk_status list_shape(const struct rk_scene *scene, struct rk_wall *wall,
+                                 struct rk_error *err) {
+    const struct rk_grains *g = &scene->grains;
+    double period = scene->spec.period_x;
+    bool images = period > 0 && wall->pose.angle == 0;
+    enum rk_status status = RK_OK;
+    for (size_t i = 0; status == RK_OK && i < g->count; i++) {
+        if (!images) {
+            status = list_grain(scene, wall, i, g->x[i], err);
+            continue;
+        }
+        double reach = (g->radius[i] + margin(scene)) * (1 + 1e-9);
+        double low = wall->index.low_x + wall->pose.shift[0] - reach - g->x[i];
+        double high = wall->index.high_x + wall->pose.shift[0] + reach - g->x[i];
+        if (!(fabs(low) < 1e9 * period)) {
+            continue; /* a grain or a wall is nowhere any more: counting images would not end */
+        }
+        for (double k = ceil(low / period - 1e-9);
+             status == RK_OK && k <= floor(high / period + 1e-9); k++) {
+            status = list_grain(scene, wall, i, g->x[i] + k * period, err);
+        }
+    }
+    return status;
+}
+
+static int compare_keys(const void *a, const void *b) {
+    uint64_t p, q;
+    memcpy(&p, a, sizeof p);
+    memcpy(&q, b, sizeof q);
+    return (p > q) - (p < q);
+}
+
+/* In the order of (primitive, grain), each once: two images may have found the same. */
+static enum rk_status put_in_order(struct rk_near *near, struct rk_error *err) {
+    uint64_t *keys = rk_array_create(near->count, sizeof *keys);
+    size_t count = 0;
+    if (!keys) {
+        return rk_fail(err, RK_EMEMORY, "no memory for %zu grains near a wall", near->count);
+    }
+    for (size_t k = 0; k < near->count; k++) {
+        keys[k] = (uint64_t)near->primitive[k] << 32 | near->grain[k];
+    }
+    qsort(keys, near->count, sizeof *keys, compare_keys);
+    for (size_t k = 0; k < near->count; k++) {
+        if (k == 0 || keys[k] != keys[k - 1]) {
+            near->primitive[count] = (uint32_t)(keys[k] >> 32);
+            near->grain[count++] = (uint32_t)keys[k];
+        }
+    }
+    near->count = count;
+    free(keys);
+    return RK_OK;
+}
+
 enum rk_status rk_wall_near_build(struct rk_scene *scene, size_t w, struct rk_error *err) {
     struct rk_wall *wall = &scene->walls[w];
     struct rk_near *near = &wall->near;
-    size_t n = scene->grains.count;
     near->count = 0;
     near->valid = false;
-    for (size_t p = 0; p < wall->primitive_count; p++) {
-        for (size_t i = 0; i < n; i++) {
-            if (!listed(scene, wall, p, i)) {
-                continue;
-            }
-            enum rk_status status = make_room(near, err);
-            if (status) {
-                return status;
-            }
-            near->primitive[near->count] = (uint32_t)p;
-            near->grain[near->count++] = (uint32_t)i;
-        }
+    enum rk_status status = wall->line ? list_line(scene, wall, err) : list_shape(scene, wall, err);
+    if (status == RK_OK && !wall->line) {
+        status = put_in_order(near, err);
+    }
+    if (status) {
+        return status;
     }
     carry_history(near, w, &scene->wall_touching);
     near->at = along(wall->normal, wall->at);

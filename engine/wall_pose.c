@@ -67,6 +67,11 @@ enum rk_status rk_walls_add(struct rk_scene *scene, const struct rk_wall_spec *s
         return rk_fail(err, RK_EMEMORY, "no memory for a wall of %zu parts", wall.primitive_count);
     }
     shape->build(spec, wall.primitives);
+    if (!wall.line && (status = rk_wall_index_build(&wall, err))) {
+        rk_wall_index_free(&wall.index);
+        free(wall.primitives);
+        return status;
+    }
     wall.spec.vertices = NULL; /* they are the caller's, and have been read */
     wall.extent = rk_shape_extent(wall.primitives, wall.primitive_count, spec->pivot);
     scene->walls[scene->wall_count++] = wall;

@@ -247,6 +247,7 @@ void rk_walls_free(struct rk_scene *scene) {
     }
     for (size_t w = 0; w < scene->wall_count; w++) {
         rk_wall_near_free(&scene->walls[w].near);
+        rk_wall_index_free(&scene->walls[w].index);
         free(scene->walls[w].primitives);
     }
     free(scene->walls);

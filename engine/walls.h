@@ -41,6 +41,15 @@ bool rk_wall_encloses(const struct rk_wall *wall, double x, double y);
 void rk_pose_inward(const struct rk_wall *wall, double x, double y, double q[2]);
 void rk_pose_outward(const struct rk_pose *pose, const double body[2], double world[2]);
 
+/* ---- wall_index.c ------------------------------------------------------------------------ */
+
+enum rk_status rk_wall_index_build(struct rk_wall *wall, struct rk_error *err);
+void rk_wall_index_free(struct rk_wall_index *index);
+
+/* Places [first, last) in the index of all primitives that may come within reach of q. */
+void rk_wall_index_search(const struct rk_wall *wall, const double q[2], double reach,
+                          size_t *first, size_t *last);
+
 /* ---- wall_near.c ------------------------------------------------------------------------- */
 
 bool rk_wall_near_holds(const struct rk_scene *scene, const struct rk_wall *wall);
