@@ -11,6 +11,6 @@ static void rotation_move(const struct rk_drive_spec *spec, double t, struct rk_
 }
 
 const struct rk_drive rk_drive_rotation = {
-    .piece = {"rotation", "angle spin t about the wall's pivot: drums, stirrers, tilting planes"},
+    .piece = {"rotation", "angle spin t about the wall's pivot (drums, stirrers, tilting planes)"},
     .fault = rotation_fault,
     .move = rotation_move};

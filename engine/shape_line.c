@@ -28,7 +28,7 @@ static bool line_ring(const struct rk_wall_spec *spec) {
 }
 
 const struct rk_shape rk_shape_line = {
-    {"line", "straight and infinite: free on the side its normal points to"},
+    {"line", "straight and infinite, free on the side its normal points to"},
     line_fault,
     line_count,
     line_build,

@@ -102,7 +102,7 @@ static bool polygon_ring(const struct rk_wall_spec *spec) {
 }
 
 const struct rk_shape rk_shape_polygon = {
-    {"polygon", "a chain of edges, open or closed: a hopper, an hour glass, a box, a stirrer"},
+    {"polygon", "a chain of edges, open or closed (hoppers, hour glasses, boxes, stirrers)"},
     polygon_fault,
     polygon_count,
     polygon_build,
