@@ -116,9 +116,11 @@ struct rk_grain {
  * constant: displacement speed t along direction
  * rotation: angle spin t about the wall's pivot
  * servo:    mass a = load + mass gravity.direction + (force of the grains).direction - damping v
- * press:    every `every` steps, when the mean kinetic energy of a grain is below `threshold`, on
- * by `stride` along direction until the next look The last two are lids: they begin at displacement
- * 0, and where they are is part of the state. */
+ * press:    on by `stride` along direction, over the next `every` steps, whenever the mean kinetic
+ *           energy of a grain is below `threshold` at a step number divisible by `every`
+ *
+ * Servo and press are lids: they begin at displacement 0, and where they are is part of the state.
+ * They keep it when the clock is restarted; all others go back to their beginning. */
 struct rk_drive_spec {
     const struct rk_piece *kind; /* out of rk_drive_registry; NULL: rest */
     double amplitude;
