@@ -32,7 +32,8 @@ extern const struct rk_registry rk_law_registry;       /* linear, mass-damped, v
 extern const struct rk_registry rk_friction_registry;  /* none, cundall-strack, haff-werner */
 extern const struct rk_registry rk_rolling_registry;   /* none, spring */
 extern const struct rk_registry rk_tension_registry;   /* cut, keep */
-extern const struct rk_registry rk_drive_registry;     /* rest, sinusoid */
+extern const struct rk_registry rk_drive_registry;     /* rest, sinusoid, ..., press */
+extern const struct rk_registry rk_shape_registry;     /* line, segment, arc, polygon */
 extern const struct rk_registry rk_neighbour_registry; /* cells, verlet, all-pairs */
 extern const struct rk_registry rk_kernel_registry;    /* portable, avx2, avx512 */
 extern const struct rk_registry rk_probe_registry;     /* intruder, plate, bed, energy */
@@ -111,21 +112,52 @@ struct rk_grain {
     size_t material;     /* 0, or what rk_scene_add_material gave */
 };
 
-/* How a wall moves. sinusoid: displacement amplitude sin(2 pi t/period + phase) along direction. */
+/* How a wall moves.
+ * sinusoid: displacement amplitude sin(2 pi t/period + phase) along direction
+ * constant: displacement speed t along direction
+ * rotation: angle spin t about the wall's pivot
+ * servo:    mass a = load + mass gravity.direction + (force of the grains).direction - damping v
+ * press:    on by `stride` along direction, over the next `every` steps, whenever the mean kinetic
+ *           energy of a grain is below `threshold` at a step number divisible by `every`
+ *
+ * Servo and press are lids: they begin at displacement 0, and where they are is part of the state.
+ * They keep it when the clock is restarted; all others go back to their beginning. */
 struct rk_drive_spec {
     const struct rk_piece *kind; /* out of rk_drive_registry; NULL: rest */
     double amplitude;
     double period;
-    double phase;        /* [rad] */
-    double direction[2]; /* unit vector */
+    double phase;               /* [rad] */
+    double direction[2];        /* unit vector */
+    double speed;               /* constant */
+    double spin;                /* rotation [rad/time] */
+    double mass, load, damping; /* servo */
+    double stride, threshold;   /* press */
+    uint64_t every;             /* press [steps] */
 };
 
-/* A straight wall, infinitely long: everything on the side its normal points to is free. */
+/* A wall: a shape, in place at displacement and angle 0, and how it moves.
+ * line:     infinite through `point`; everything on the side its normal points to is free
+ * segment:  between two vertices; touched on both sides and at its ends
+ * polygon:  a chain of edges through the vertices, closed or not; both sides, too
+ * arc:      of a circle, counter-clockwise between two angles; from inside and from outside
+ * engine/primitives.h says what touches where. Walls with two sides are thin: a grain whose centre
+ * gets to the other side stays there, noticed only by a wall that encloses. In a periodic box a
+ * grain meets them with its nearest image; every edge and arc must be narrower than the box by a
+ * large grain's diameter. */
 struct rk_wall_spec {
-    double point[2];  /* a point of it at displacement 0 */
-    double normal[2]; /* unit vector into the free side */
-    bool friction;    /* false: this wall is smooth, whatever the contact says */
-    size_t material;  /* 0, or what rk_scene_add_material gave */
+    const struct rk_piece *shape; /* out of rk_shape_registry; NULL: line */
+    double point[2];              /* of a line: a point of it */
+    double normal[2];             /* of a line: unit vector into the free side */
+    const double (*vertices)[2];  /* of a segment or polygon: read when the wall is added */
+    size_t vertex_count;
+    bool closed;              /* the last vertex is joined to the first */
+    bool encloses;            /* a closed polygon or whole circle: grains belong inside it, and one
+                               * whose centre gets out ends the run */
+    double centre[2], radius; /* of an arc */
+    double from, to;          /* angles, from < to <= from + 2 pi */
+    double pivot[2];          /* it turns, and its torque is reported, about this point of it */
+    bool friction;            /* false: this wall is smooth, whatever the contact says */
+    size_t material;          /* 0, or what rk_scene_add_material gave */
     struct rk_drive_spec drive;
 };
 
@@ -226,6 +258,13 @@ void rk_scene_contact(const struct rk_scene *scene, size_t i, struct rk_contact 
 void rk_scene_wall(const struct rk_scene *scene, size_t wall, double displacement[2],
                    double velocity[2], double force[2]);
 
+/* The rest of a wall's pose and load: its angle and angular velocity, and the torque of the grains
+ * on it about its pivot at the last step. */
+struct rk_wall_turn {
+    double angle, velocity, torque;
+};
+struct rk_wall_turn rk_scene_wall_turn(const struct rk_scene *scene, size_t wall);
+
 /* Energies of the present state: translation, rotation, springs of the contacts, height above 0. */
 struct rk_energy {
     double kinetic, rotational, elastic, gravitational;
@@ -244,7 +283,9 @@ struct rk_ledger {
     double residual;
 };
 bool rk_scene_ledger(const struct rk_scene *scene, struct rk_ledger *out);
-double rk_scene_wall_work(const struct rk_scene *scene, size_t wall); /* of one wall, or 0 */
+/* Of one wall: the work it has done on the grains, what its contacts have taken; 0 without. */
+double rk_scene_wall_work(const struct rk_scene *scene, size_t wall);
+double rk_scene_wall_dissipation(const struct rk_scene *scene, size_t wall);
 
 /* The largest value of three kinds of trouble at present, for `check`s and for choosing limits. */
 struct rk_strain {

@@ -43,6 +43,7 @@ const struct rk_field_set rk_contact_fields = {"contacts", contact_rows,
 #define WALL_TOUCHING(member) offsetof(struct rk_scene, wall_touching.member)
 static const struct rk_field wall_contact_rows[] = {
     {"wall", RK_FIELD_U32, WALL_TOUCHING(wall), RK_ALWAYS, "the wall"},
+    {"primitive", RK_FIELD_U32, WALL_TOUCHING(primitive), RK_ALWAYS, "which part of the wall"},
     {"grain", RK_FIELD_U32, WALL_TOUCHING(grain), RK_ALWAYS, "the grain's place in the order"},
     {"ft", RK_FIELD_F64, WALL_TOUCHING(history[RK_HISTORY_FT]), RK_ALWAYS, "tangential force"},
     {"moment", RK_FIELD_F64, WALL_TOUCHING(history[RK_HISTORY_MOMENT]), RK_ALWAYS,
@@ -67,6 +68,15 @@ static const struct rk_field ledger_rows[] = {
 const struct rk_field_set rk_ledger_fields = {"ledger rows", ledger_rows,
                                               sizeof ledger_rows / sizeof *ledger_rows,
                                               offsetof(struct rk_scene, ledger.count)};
+
+#define LID(member) offsetof(struct rk_scene, lids.member)
+static const struct rk_field lid_rows[] = {
+    {"position", RK_FIELD_F64, LID(position), RK_IF_LIDS, "displacement of a lid"},
+    {"velocity", RK_FIELD_F64, LID(velocity), RK_IF_LIDS, "its velocity"},
+    {"acceleration", RK_FIELD_F64, LID(acceleration), RK_IF_LIDS, "its acceleration"},
+};
+const struct rk_field_set rk_lid_fields = {"lids", lid_rows, sizeof lid_rows / sizeof *lid_rows,
+                                           offsetof(struct rk_scene, lids.count)};
 
 size_t rk_field_size(const struct rk_field *field) {
     return field->type == RK_FIELD_F64 ? sizeof(double) : sizeof(uint32_t);

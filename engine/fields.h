@@ -29,7 +29,7 @@ struct rk_field_set {
 };
 
 extern const struct rk_field_set rk_grain_fields, rk_contact_fields, rk_wall_contact_fields,
-    rk_ledger_fields;
+    rk_ledger_fields, rk_lid_fields;
 
 size_t rk_field_size(const struct rk_field *field);
 bool rk_field_present(const struct rk_scene *scene, const struct rk_field *field);

@@ -1,6 +1,7 @@
 #include "engine/health.h"
 
 #include "engine/contact.h"
+#include "engine/walls.h"
 
 #include <math.h>
 
@@ -129,6 +130,29 @@ static enum rk_status nonsense(const struct rk_scene *scene, size_t i, struct rk
                    rk_stable_step(&spec->contact, spec->gamma, spec->smallest));
 }
 
+static enum rk_status check_sides(const struct rk_scene *scene, size_t i, struct rk_error *err) {
+    const struct rk_grains *g = &scene->grains;
+    for (size_t w = 0; w < scene->wall_count; w++) {
+        const struct rk_wall *wall = &scene->walls[w];
+        double depth =
+            wall->normal[0] * (wall->at[0] - g->x[i]) + wall->normal[1] * (wall->at[1] - g->y[i]);
+        if (wall->line && depth > 0) {
+            return nonsense(scene, i, err, "has left the box: its centre is behind a wall by",
+                            depth, 0);
+        }
+        if (wall->spec.encloses && !rk_wall_encloses(wall, g->x[i], g->y[i])) {
+            return rk_fail(
+                err, RK_EUNSTABLE,
+                "at t = %.6g (step %llu) grain %u at (%.6g, %.6g) has left wall %zu, "
+                "which encloses the grains; dt is %.4g, the largest stable dt is %.4g",
+                rk_scene_time(scene), (unsigned long long)scene->steps, g->tag[i], g->x[i], g->y[i],
+                w, scene->spec.dt,
+                rk_stable_step(&scene->spec.contact, scene->spec.gamma, scene->spec.smallest));
+        }
+    }
+    return RK_OK;
+}
+
 static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error *err) {
     const struct rk_grains *g = &scene->grains;
     const double dt = scene->spec.dt, travel = scene->spec.health.travel;
@@ -144,14 +168,9 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
             return nonsense(scene, i, err, "moves too far in one step, in radii",
                             speed * dt / g->radius[i], travel);
         }
-        for (size_t w = 0; w < scene->wall_count; w++) {
-            const struct rk_wall *wall = &scene->walls[w];
-            double depth = wall->spec.normal[0] * (wall->at[0] - g->x[i]) +
-                           wall->spec.normal[1] * (wall->at[1] - g->y[i]);
-            if (depth > 0) {
-                return nonsense(scene, i, err, "has left the box: its centre is behind a wall by",
-                                depth, 0);
-            }
+        enum rk_status status = check_sides(scene, i, err);
+        if (status) {
+            return status;
         }
     }
     return RK_OK;
@@ -188,7 +207,7 @@ static double farthest(const struct rk_scene *scene, const struct rk_bounds *mov
         double low = move->low[k] < 0 ? move->low[k] : 0; /* against a body at rest, too */
         double high = move->high[k] > 0 ? move->high[k] : 0;
         for (size_t w = 0; w < scene->wall_count; w++) {
-            double wall = scene->walls[w].velocity[k] * scene->spec.dt;
+            double wall = scene->walls[w].pose.velocity[k] * scene->spec.dt;
             low = wall < low ? wall : low;
             high = wall > high ? wall : high;
         }
@@ -213,8 +232,25 @@ bool rk_health_due(const struct rk_scene *scene, const struct rk_bounds *move) {
     return interval < health->every && scene->steps % interval == 0;
 }
 
+static enum rk_status check_lids(const struct rk_scene *scene, struct rk_error *err) {
+    for (size_t w = 0; w < scene->lids.count; w++) {
+        double sane = scene->lids.position[w] + scene->lids.velocity[w];
+        if (!isfinite(sane)) {
+            return rk_fail(err, RK_EUNSTABLE,
+                           "at t = %.6g (step %llu) wall %zu, a lid, has a position or velocity "
+                           "that is no number; it may be too light for dt = %.4g",
+                           rk_scene_time(scene), (unsigned long long)scene->steps, w,
+                           scene->spec.dt);
+        }
+    }
+    return RK_OK;
+}
+
 enum rk_status rk_health_check(const struct rk_scene *scene, struct rk_error *err) {
     enum rk_status status = check_grains(scene, err);
+    if (status == RK_OK) {
+        status = check_lids(scene, err);
+    }
     return status ? status : check_overlaps(scene, err);
 }
 

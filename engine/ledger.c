@@ -87,7 +87,7 @@ static void book_walls(const struct rk_scene *scene, const struct rk_contact_law
             m.roll = law->rolls ? t->history[RK_HISTORY_MOMENT][c] : 0;
         }
         book(rates, row, &m);
-        rates->work[row] -= force[0] * t->vx[c] + force[1] * t->vy[c];
+        rates->work[row] -= force[0] * t->vx[c] + force[1] * t->vy[c] + m.roll * t->omega[c];
     }
 }
 
@@ -169,4 +169,12 @@ bool rk_scene_ledger(const struct rk_scene *scene, struct rk_ledger *out) {
 
 double rk_scene_wall_work(const struct rk_scene *scene, size_t wall) {
     return scene->has[RK_IF_LEDGER] ? scene->ledger.sums.work[wall] : 0;
+}
+
+double rk_scene_wall_dissipation(const struct rk_scene *scene, size_t wall) {
+    const struct rk_ledger_rows *sums = &scene->ledger.sums;
+    if (!scene->has[RK_IF_LEDGER]) {
+        return 0;
+    }
+    return sums->damping[wall] + sums->friction[wall] + sums->rolling[wall];
 }

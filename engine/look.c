@@ -121,10 +121,10 @@ void rk_scene_wall(const struct rk_scene *scene, size_t wall, double displacemen
     const struct rk_wall *w = &scene->walls[wall];
     for (int k = 0; k < 2; k++) {
         if (displacement) {
-            displacement[k] = w->at[k] - w->spec.point[k];
+            displacement[k] = w->pose.shift[k];
         }
         if (velocity) {
-            velocity[k] = w->velocity[k];
+            velocity[k] = w->pose.velocity[k];
         }
         if (force) {
             force[k] = w->force[k];
@@ -230,10 +230,12 @@ size_t rk_scene_memory(const struct rk_scene *scene) {
     size_t touch = 3 * index + (8 + RK_HISTORIES + RK_FORCE_WIDTH) * real;
     size_t bytes = sizeof *scene + grain * scene->grains.capacity + pair * scene->pairs.capacity +
                    near->found_capacity * sizeof(uint64_t) + near->cell_capacity * index +
-                   scene->wall_touching.capacity * touch + scene->ledger.count * 9 * real +
-                   scene->spec.walls * sizeof *scene->walls;
+                   scene->wall_touching.capacity * (touch + index) +
+                   scene->ledger.count * 9 * real + scene->spec.walls * sizeof *scene->walls;
     for (size_t w = 0; w < scene->wall_count; w++) {
-        bytes += scene->walls[w].near_count * (index + RK_HISTORIES * real);
+        const struct rk_wall *wall = &scene->walls[w];
+        bytes += wall->near.capacity * (2 * index + RK_HISTORIES * real + 2) +
+                 wall->primitive_count * sizeof *wall->primitives;
     }
     return bytes;
 }

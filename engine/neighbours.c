@@ -450,7 +450,7 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
     near->moved = (struct rk_bounds){{0, 0}, {0, 0}};
     near->valid = true;
     for (size_t w = 0; w < scene->wall_count; w++) {
-        scene->walls[w].near_valid = false; /* its bounds of movement began at the old build */
+        scene->walls[w].near.valid = false; /* its bounds of movement began at the old build */
     }
     scene->profile.rebuilds++;
     return rk_shares_cut(scene, err);

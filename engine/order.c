@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "engine/fields.h"
+#include "engine/walls.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -69,7 +70,7 @@ static void reorder_wall_contacts(struct rk_scene *scene, const uint32_t *now_at
     struct rk_wall_touching *t = &scene->wall_touching;
     for (size_t c = 0; c < t->count; c++) {
         t->grain[c] = now_at[t->grain[c]];
-        places[c].key = (uint64_t)t->wall[c] << 32 | t->grain[c];
+        places[c].key = rk_wall_contact_key(t, c);
         places[c].index = (uint32_t)c;
     }
     qsort(places, t->count, sizeof *places, compare_places);

@@ -2,7 +2,6 @@
 
 #include "base/memory.h"
 #include "engine/contact.h"
-#include "engine/drives.h"
 #include "engine/fields.h"
 #include "engine/health.h"
 #include "engine/kernel.h"
@@ -195,6 +194,7 @@ void rk_scene_free(struct rk_scene *scene) {
     rk_fields_free(scene, &rk_contact_fields);
     rk_fields_free(scene, &rk_wall_contact_fields);
     rk_fields_free(scene, &rk_ledger_fields);
+    rk_fields_free(scene, &rk_lid_fields);
     free(scene->grains.force);
     free(scene->index_of);
     free(scene);
@@ -291,29 +291,18 @@ enum rk_status rk_scene_add_grain(struct rk_scene *scene, const struct rk_grain 
     return RK_OK;
 }
 
-static enum rk_status check_drive(const struct rk_drive_spec *drive, struct rk_error *err) {
-    const char *fault = rk_drive_of(drive)->fault(drive);
-    return fault ? rk_fail(err, RK_EINVALID, "%s", fault) : RK_OK;
-}
-
 enum rk_status rk_scene_add_wall(struct rk_scene *scene, const struct rk_wall_spec *wall,
                                  struct rk_error *err) {
     if (scene->wall_count == scene->spec.walls) {
         return rk_fail(err, RK_EINVALID, "the scene was made for %zu walls and is full",
                        scene->spec.walls);
     }
-    double length = hypot(wall->normal[0], wall->normal[1]);
-    if (!(fabs(length - 1) < 1e-9) || !isfinite(wall->point[0]) || !isfinite(wall->point[1])) {
-        return rk_fail(err, RK_EINVALID,
-                       "a wall needs a finite point and a normal of length 1, not %g", length);
-    }
     if (wall->material >= scene->material_count) {
         return rk_fail(err, RK_EINVALID, "a wall is of material %zu, the scene has %zu",
                        wall->material, scene->material_count);
     }
-    enum rk_status status = check_drive(&wall->drive, err);
+    enum rk_status status = rk_walls_add(scene, wall, err);
     if (status == RK_OK) {
-        scene->walls[scene->wall_count++] = (struct rk_wall){.spec = *wall};
         rk_walls_move(scene, rk_scene_time(scene));
     }
     return status;
@@ -325,9 +314,8 @@ enum rk_status rk_scene_set_drive(struct rk_scene *scene, size_t wall,
         return rk_fail(err, RK_EINVALID, "there is no wall %zu, the scene has %zu", wall,
                        scene->wall_count);
     }
-    enum rk_status status = check_drive(drive, err);
+    enum rk_status status = rk_walls_set_drive(scene, wall, drive, err);
     if (status == RK_OK) {
-        scene->walls[wall].spec.drive = *drive;
         scene->primed = 0;
         rk_walls_move(scene, rk_scene_time(scene));
     }
@@ -436,7 +424,10 @@ static enum rk_status prime(struct rk_scene *scene, struct rk_error *err) {
     struct rk_contact_law law;
     rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, 0);
     rk_walls_move(scene, rk_scene_time(scene));
-    enum rk_status status = add_forces(scene, &law, err);
+    enum rk_status status = rk_walls_fit_period(scene, err);
+    if (status == RK_OK) {
+        status = add_forces(scene, &law, err);
+    }
     rk_shares_gather(scene);
     if (status == RK_OK) {
         status = coincident(scene, err);
@@ -446,6 +437,7 @@ static enum rk_status prime(struct rk_scene *scene, struct rk_error *err) {
     }
     if (status == RK_OK) {
         rk_shares_correct(scene, 0);
+        rk_lids_correct(scene, 0);
         scene->primed = 1;
     }
     if (status == RK_OK && scene->has[RK_IF_LEDGER]) {
@@ -491,6 +483,9 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
     }
     uint64_t since = scene->now ? scene->now() : 0;
     struct rk_bounds move = rk_shares_predict(scene);
+    if (scene->has[RK_IF_LIDS]) {
+        rk_lids_predict(scene);
+    }
     rk_walls_move(scene, (double)(scene->steps + 1) * scene->spec.dt);
     tick(scene, RK_PHASE_MOVE, since);
     status = add_forces(scene, law, err);
@@ -499,6 +494,9 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
     }
     since = scene->now ? scene->now() : 0;
     rk_shares_correct(scene, scene->spec.dt);
+    if (scene->has[RK_IF_LIDS]) {
+        rk_lids_correct(scene, scene->spec.dt);
+    }
     tick(scene, RK_PHASE_MOVE, since);
     scene->steps++;
     if (scene->has[RK_IF_LEDGER]) {

@@ -8,6 +8,7 @@
 #define RK_ENGINE_SCENE_H
 
 #include "engine/engine.h"
+#include "engine/primitives.h"
 
 /* Sums over contacts of a grain: fx, fy, torque, and one double to fill half a cache line. */
 enum { RK_FORCE_WIDTH = 4 };
@@ -23,6 +24,7 @@ enum rk_need {
     RK_IF_ROLLS,     /* there is rolling resistance */
     RK_IF_MIXED,     /* there are several materials */
     RK_IF_LEDGER,    /* energies are accounted for */
+    RK_IF_LIDS,      /* a wall answers to the grains */
     RK_NEEDS
 };
 
@@ -88,22 +90,53 @@ struct rk_neighbours {
     uint32_t *row_start; /* [capacity + 1] first pair of each grain */
 };
 
-struct rk_wall {
-    struct rk_wall_spec spec;
-    double at[2], velocity[2]; /* the present place of spec.point, and its velocity */
-    double force[2];           /* of the grains on it */
-    size_t near_count;
-    uint32_t *near;                /* grains that may touch before the list is renewed, ascending */
-    double *history[RK_HISTORIES]; /* of each of them */
-    double built_at;               /* normal . at when the list was built */
-    struct rk_bounds built_moved;
-    bool near_valid;
+/* Where a wall is: a displacement, and an angle about its pivot. */
+struct rk_pose {
+    double shift[2], velocity[2];
+    double angle, turn; /* turn = angular velocity */
+    double cosine, sine;
 };
 
-/* Wall contacts of the last step, by wall, then grain. Capacities are whole vectors. */
+/* What may touch a wall before its list is renewed, in the order of (primitive, grain). */
+struct rk_near {
+    size_t count, capacity;
+    uint32_t *primitive, *grain;
+    double *history[RK_HISTORIES]; /* of the last step, 0 if not touching */
+    uint8_t *before, *now;         /* touching in the last step, in this one */
+    bool valid;
+    struct rk_bounds moved; /* of the neighbours when it was built, and the wall's pose */
+    struct rk_pose pose;
+    double at; /* of a line: normal . at */
+};
+
+/* The primitives of a wall by where they are along x (0) or y (1) in its frame. */
+struct rk_wall_index {
+    int axis;
+    double *middle; /* ascending: coordinate of the primitive's middle */
+    uint32_t *primitive;
+    double bound;         /* the largest of the primitives' */
+    double low_x, high_x; /* all of the wall lies between */
+};
+
+struct rk_wall {
+    struct rk_wall_index index; /* empty for a line */
+    struct rk_wall_spec spec;   /* without the vertices */
+    struct rk_primitive *primitives;
+    size_t primitive_count;
+    bool line;     /* its one primitive is a line */
+    bool ring;     /* the last primitive is joined to the first */
+    double extent; /* the largest distance from the pivot */
+    struct rk_pose pose;
+    double at[2], normal[2]; /* of a line, at present */
+    double force[2];         /* of the grains on it */
+    struct rk_near near;
+};
+
+/* Wall contacts of the last step, by wall, primitive, grain. Capacities are whole vectors. */
 struct rk_wall_touching {
     size_t count, capacity;
-    uint32_t *wall, *grain, *material;
+    uint32_t *wall, *primitive, *grain, *material;
+    uint32_t *entry;           /* in the wall's near list */
     double *nx, *ny, *overlap; /* normal from the grain to the wall */
     double *vx, *vy, *omega;   /* velocity of the wall where it is touched, and its spin */
     double *rough;             /* 1, or 0 at a smooth wall */
@@ -120,6 +153,12 @@ struct rk_ledger_state {
     size_t count; /* one for each wall there may be, one for pairs and gravity */
     struct rk_ledger_rows sums, rates;
     double *start; /* [0]: kinetic, rotational and elastic energy at the beginning */
+};
+
+/* The lids among the walls: an entry for each wall there may be, none without lids. */
+struct rk_lids {
+    size_t count;
+    double *position, *velocity, *acceleration; /* along the drive's direction */
 };
 
 struct rk_kernel;
@@ -145,6 +184,7 @@ struct rk_scene {
     struct rk_wall *walls;
     size_t wall_count;
     struct rk_wall_touching wall_touching;
+    struct rk_lids lids;
     struct rk_ledger_state ledger;
     uint64_t (*now)(void);
     struct rk_profile profile;

@@ -11,11 +11,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char state_mark[8] = {'R', 'K', 'S', 'T', 'A', 'T', 'E', '1'};
-enum { STATE_SCALARS = 7 }; /* steps, primed, kind, and the lengths of the sets */
+static const char state_mark[8] = {'R', 'K', 'S', 'T', 'A', 'T', 'E', '2'};
+enum { STATE_SCALARS = 8 }; /* steps, primed, kind, and the lengths of the sets */
 
 static const struct rk_field_set *const kept[] = {&rk_grain_fields, &rk_contact_fields,
-                                                  &rk_wall_contact_fields, &rk_ledger_fields};
+                                                  &rk_wall_contact_fields, &rk_ledger_fields,
+                                                  &rk_lid_fields};
 enum { KEPT = sizeof kept / sizeof *kept };
 
 /* What the scene has, a bit each: a state fits scenes of the same kind only. */
@@ -41,6 +42,7 @@ static void kept_lengths(const struct rk_scene *scene, uint64_t lengths[KEPT]) {
     lengths[1] = scene->has[RK_IF_REMEMBERS] ? scene->touching.count : 0;
     lengths[2] = scene->wall_touching.count;
     lengths[3] = scene->ledger.count;
+    lengths[4] = scene->lids.count;
 }
 
 size_t rk_scene_packed_size(const struct rk_scene *scene) {
@@ -88,8 +90,13 @@ static enum rk_status check_block(const struct rk_scene *scene, const char *bloc
     if (scalars[1] > 1 || scalars[2] != kind_of(scene)) {
         return damaged(err, "it is of a scene of another kind");
     }
+    uint64_t primitives = 0;
+    for (size_t w = 0; w < scene->wall_count; w++) {
+        primitives += scene->walls[w].primitive_count;
+    }
     if (scalars[3] > scene->spec.grains || scalars[4] > UINT32_MAX ||
-        scalars[5] > scalars[3] * scene->wall_count || scalars[6] != scene->ledger.count) {
+        scalars[5] > scalars[3] * primitives || scalars[6] != scene->ledger.count ||
+        scalars[7] != scene->lids.count) {
         return damaged(err, "it speaks of more grains or contacts than can be");
     }
     for (size_t s = 0; s < KEPT; s++) {
@@ -121,12 +128,18 @@ static enum rk_status check_contacts(const struct rk_scene *scene, struct rk_err
         }
     }
     for (size_t c = 0; c < w->count; c++) {
-        bool later = c == 0 || w->wall[c] > w->wall[c - 1] ||
-                     (w->wall[c] == w->wall[c - 1] && w->grain[c] > w->grain[c - 1]);
-        if (w->wall[c] >= scene->wall_count || w->grain[c] >= n || !later ||
+        if (w->wall[c] >= scene->wall_count ||
+            w->primitive[c] >= scene->walls[w->wall[c]].primitive_count || w->grain[c] >= n ||
+            (c > 0 && rk_wall_contact_key(w, c) <= rk_wall_contact_key(w, c - 1)) ||
             !isfinite(w->history[RK_HISTORY_FT][c]) ||
             !isfinite(w->history[RK_HISTORY_MOMENT][c])) {
             return damaged(err, "its wall contacts are out of order");
+        }
+    }
+    for (size_t l = 0; l < scene->lids.count; l++) {
+        const struct rk_lids *lids = &scene->lids;
+        if (!isfinite(lids->position[l] + lids->velocity[l] + lids->acceleration[l])) {
+            return damaged(err, "a lid is nowhere");
         }
     }
     return RK_OK;

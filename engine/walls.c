@@ -1,7 +1,6 @@
 #include "engine/walls.h"
 
 #include "base/memory.h"
-#include "engine/drives.h"
 #include "engine/fields.h"
 #include "engine/kernel.h"
 #include "engine/lanes.h"
@@ -10,101 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-void rk_walls_move(struct rk_scene *scene, double t) {
-    for (size_t w = 0; w < scene->wall_count; w++) {
-        struct rk_wall *wall = &scene->walls[w];
-        const struct rk_drive_spec *drive = &wall->spec.drive;
-        double displacement, rate;
-        rk_drive_of(drive)->move(drive, t, &displacement, &rate);
-        for (int k = 0; k < 2; k++) {
-            wall->at[k] = wall->spec.point[k] + displacement * drive->direction[k];
-            wall->velocity[k] = rate * drive->direction[k];
-        }
-    }
-}
-
-/* ---- Which grains are near ------------------------------------------------------------------- */
-
-static double along(const double n[2], const double r[2]) {
-    return n[0] * r[0] + n[1] * r[1];
-}
-
-/* The smallest and largest of normal . displacement over a box of displacements. */
-static double lowest(const double n[2], const struct rk_bounds *box) {
-    return (n[0] > 0 ? n[0] * box->low[0] : n[0] * box->high[0]) +
-           (n[1] > 0 ? n[1] * box->low[1] : n[1] * box->high[1]);
-}
-
-static double highest(const double n[2], const struct rk_bounds *box) {
-    return (n[0] > 0 ? n[0] * box->high[0] : n[0] * box->low[0]) +
-           (n[1] > 0 ? n[1] * box->high[1] : n[1] * box->low[1]);
-}
-
-/* A grain that was not listed had a gap of at least the margin; it cannot have closed it. */
-static double margin(const struct rk_scene *scene) {
-    return scene->neighbours.bulk_radius;
-}
-
-static bool near_holds(const struct rk_scene *scene, const struct rk_wall *wall) {
-    const double *n = wall->spec.normal;
-    double approach = highest(n, &wall->built_moved) - lowest(n, &scene->neighbours.moved) +
-                      along(n, wall->at) - wall->built_at;
-    return wall->near_valid && approach < margin(scene) * (1 - 1e-9);
-}
-
-static bool listed(const struct rk_scene *scene, const struct rk_wall *wall, size_t i) {
-    const struct rk_grains *g = &scene->grains;
-    const double *n = wall->spec.normal;
-    double gap = n[0] * (g->x[i] - wall->at[0]) + n[1] * (g->y[i] - wall->at[1]) - g->radius[i];
-    return gap < margin(scene);
-}
-
-/* List the grains near a wall again. What contacts remember comes from those of the last step,
- * which are in the same order. */
-static enum rk_status list_near(struct rk_scene *scene, size_t w, struct rk_error *err) {
-    struct rk_wall *wall = &scene->walls[w];
-    const struct rk_wall_touching *t = &scene->wall_touching;
-    size_t n = scene->grains.count, count = 0;
-    for (size_t i = 0; i < n; i++) {
-        count += listed(scene, wall, i);
-    }
-    free(wall->near);
-    wall->near = rk_array_create(count, sizeof *wall->near);
-    bool failed = !wall->near;
-    for (size_t h = 0; h < RK_HISTORIES; h++) {
-        free(wall->history[h]);
-        wall->history[h] = rk_array_create(count, sizeof(double));
-        failed = failed || !wall->history[h];
-    }
-    wall->near_count = 0;
-    if (failed) {
-        return rk_fail(err, RK_EMEMORY, "no memory for %zu grains near a wall", count);
-    }
-    size_t c = 0;
-    while (c < t->count && t->wall[c] < w) {
-        c++;
-    }
-    for (size_t i = 0; i < n; i++) {
-        if (!listed(scene, wall, i)) {
-            continue;
-        }
-        while (c < t->count && t->wall[c] == w && t->grain[c] < i) {
-            c++;
-        }
-        bool touched = c < t->count && t->wall[c] == w && t->grain[c] == i;
-        for (size_t h = 0; h < RK_HISTORIES; h++) {
-            wall->history[h][wall->near_count] = touched ? t->history[h][c] : 0;
-        }
-        wall->near[wall->near_count++] = (uint32_t)i;
-    }
-    wall->built_at = along(wall->spec.normal, wall->at);
-    wall->built_moved = scene->neighbours.moved;
-    wall->near_valid = true;
-    return RK_OK;
-}
-
-/* ---- Contacts ---------------------------------------------------------------------------------
- */
+/* ---- Contacts -------------------------------------------------------------------------------- */
 
 static bool replace(double **array, size_t count) {
     free(*array);
@@ -116,7 +21,7 @@ static enum rk_status reserve_contacts(struct rk_scene *scene, struct rk_error *
     struct rk_wall_touching *t = &scene->wall_touching;
     size_t most = t->count;
     for (size_t w = 0; w < scene->wall_count; w++) {
-        most += scene->walls[w].near_count;
+        most += scene->walls[w].near.count;
     }
     if (most <= t->capacity) {
         return RK_OK;
@@ -129,43 +34,149 @@ static enum rk_status reserve_contacts(struct rk_scene *scene, struct rk_error *
         had = replace(arrays[a], room) && had;
     }
     free(t->material);
+    free(t->entry);
     t->material = rk_array_create(room, sizeof *t->material);
-    t->capacity = had && t->material ? capacity : 0;
+    t->entry = rk_array_create(room, sizeof *t->entry);
+    t->capacity = had && t->material && t->entry ? capacity : 0;
     if (!t->capacity) {
         return rk_fail(err, RK_EMEMORY, "no memory for %zu wall contacts", capacity);
     }
     return rk_fields_resize(scene, &rk_wall_contact_fields, room, err);
 }
 
-/* Grains that touch the wall, put behind those of the walls before. */
-static void touch_wall(struct rk_scene *scene, size_t w) {
+/* A contact behind those there are, of a wall that moves as `velocity` says where it is touched. */
+static void put(struct rk_scene *scene, size_t w, size_t k, double overlap, const double normal[2],
+                const double velocity[2]) {
     const struct rk_wall *wall = &scene->walls[w];
-    const struct rk_grains *g = &scene->grains;
     struct rk_wall_touching *t = &scene->wall_touching;
-    const double nx = -wall->spec.normal[0], ny = -wall->spec.normal[1]; /* grain to wall */
-    for (size_t k = 0; k < wall->near_count; k++) {
-        uint32_t i = wall->near[k];
-        double overlap =
-            g->radius[i] - (nx * (wall->at[0] - g->x[i]) + ny * (wall->at[1] - g->y[i]));
+    size_t c = t->count++;
+    t->wall[c] = (uint32_t)w;
+    t->primitive[c] = wall->near.primitive[k];
+    t->grain[c] = wall->near.grain[k];
+    t->entry[c] = (uint32_t)k;
+    t->material[c] = (uint32_t)wall->spec.material;
+    t->nx[c] = normal[0];
+    t->ny[c] = normal[1];
+    t->overlap[c] = overlap;
+    t->vx[c] = velocity[0];
+    t->vy[c] = velocity[1];
+    t->omega[c] = wall->pose.turn;
+    t->rough[c] = wall->spec.friction ? 1 : 0;
+    t->history[RK_HISTORY_FT][c] = wall->near.history[RK_HISTORY_FT][k];
+    t->history[RK_HISTORY_MOMENT][c] = wall->near.history[RK_HISTORY_MOMENT][k];
+}
+
+/* Velocity of the wall at its point next to a disc at (x, y), a distance off along the normal. */
+static void velocity_at(const struct rk_wall *wall, double x, double y, double distance,
+                        const double normal[2], double velocity[2]) {
+    const struct rk_pose *pose = &wall->pose;
+    double arm_x = x + normal[0] * distance - (wall->spec.pivot[0] + pose->shift[0]);
+    double arm_y = y + normal[1] * distance - (wall->spec.pivot[1] + pose->shift[1]);
+    velocity[0] = pose->velocity[0] - pose->turn * arm_y;
+    velocity[1] = pose->velocity[1] + pose->turn * arm_x;
+}
+
+static void touch_line(struct rk_scene *scene, size_t w) {
+    struct rk_wall *wall = &scene->walls[w];
+    const struct rk_grains *g = &scene->grains;
+    const double normal[2] = {-wall->normal[0], -wall->normal[1]}; /* grain to wall */
+    double velocity[2] = {wall->pose.velocity[0], wall->pose.velocity[1]};
+    for (size_t k = 0; k < wall->near.count; k++) {
+        uint32_t i = wall->near.grain[k];
+        double overlap = g->radius[i] - (normal[0] * (wall->at[0] - g->x[i]) +
+                                         normal[1] * (wall->at[1] - g->y[i]));
         if (!(overlap > 0)) {
-            wall->history[RK_HISTORY_FT][k] = wall->history[RK_HISTORY_MOMENT][k] = 0;
+            wall->near.history[RK_HISTORY_FT][k] = wall->near.history[RK_HISTORY_MOMENT][k] = 0;
             continue;
         }
-        size_t c = t->count++;
-        t->wall[c] = (uint32_t)w;
-        t->grain[c] = i;
-        t->material[c] = (uint32_t)wall->spec.material;
-        t->nx[c] = nx;
-        t->ny[c] = ny;
-        t->overlap[c] = overlap;
-        t->vx[c] = wall->velocity[0];
-        t->vy[c] = wall->velocity[1];
-        t->omega[c] = 0;
-        t->rough[c] = wall->spec.friction ? 1 : 0;
-        t->history[RK_HISTORY_FT][c] = wall->history[RK_HISTORY_FT][k];
-        t->history[RK_HISTORY_MOMENT][c] = wall->history[RK_HISTORY_MOMENT][k];
+        if (wall->pose.turn != 0) {
+            velocity_at(wall, g->x[i], g->y[i], g->radius[i] - overlap, normal, velocity);
+        }
+        put(scene, w, k, overlap, normal, velocity);
     }
 }
+
+/* ---- Shapes of several parts ------------------------------------------------------------------
+ */
+
+static double image_of(const struct rk_scene *scene, const struct rk_wall *wall, size_t k) {
+    return rk_wall_image(scene, wall, &wall->primitives[wall->near.primitive[k]],
+                         scene->grains.x[wall->near.grain[k]]);
+}
+
+/* Did the contact of an entry end because the disc went on to a neighbouring part? Not if it still
+ * faces this one: then it has come off. */
+static bool went_on(const struct rk_scene *scene, const struct rk_wall *wall, size_t k) {
+    double q[2];
+    if (!wall->near.before[k] || wall->near.now[k]) {
+        return false;
+    }
+    rk_pose_inward(wall, image_of(scene, wall, k), scene->grains.y[wall->near.grain[k]], q);
+    return !rk_primitive_faces(&wall->primitives[wall->near.primitive[k]], q);
+}
+
+/* What the disc of a new contact remembers of the part that it has just left, up to two away: a
+ * straight joint has a vertex of no width between the edges. */
+static void take_over(struct rk_scene *scene, const struct rk_wall *wall, size_t c) {
+    static const int steps[] = {-1, 1, -2, 2};
+    struct rk_wall_touching *t = &scene->wall_touching;
+    ptrdiff_t count = (ptrdiff_t)wall->primitive_count;
+    for (size_t s = 0; s < sizeof steps / sizeof *steps; s++) {
+        ptrdiff_t other = (ptrdiff_t)t->primitive[c] + steps[s];
+        if (wall->ring) {
+            other = (other + count) % count;
+        }
+        size_t k = other < 0 || other >= count
+                       ? SIZE_MAX
+                       : rk_wall_near_find(&wall->near, (size_t)other, t->grain[c]);
+        if (k != SIZE_MAX && went_on(scene, wall, k)) {
+            for (size_t h = 0; h < RK_HISTORIES; h++) {
+                t->history[h][c] = wall->near.history[h][k];
+            }
+            return;
+        }
+    }
+}
+
+static void touch_shape(struct rk_scene *scene, size_t w) {
+    struct rk_wall *wall = &scene->walls[w];
+    struct rk_near *near = &wall->near;
+    const struct rk_grains *g = &scene->grains;
+    size_t first = scene->wall_touching.count;
+    for (size_t k = 0; k < near->count; k++) {
+        uint32_t i = near->grain[k];
+        double x = image_of(scene, wall, k), q[2], overlap, normal[2];
+        double velocity[2] = {wall->pose.velocity[0], wall->pose.velocity[1]};
+        rk_pose_inward(wall, x, g->y[i], q);
+        near->now[k] = rk_primitive_touches(&wall->primitives[near->primitive[k]], q, g->radius[i],
+                                            &overlap, normal);
+        if (!near->now[k]) {
+            continue;
+        }
+        if (wall->pose.angle != 0) {
+            rk_pose_outward(&wall->pose, normal, normal);
+        }
+        if (wall->pose.turn != 0) {
+            velocity_at(wall, x, g->y[i], g->radius[i] - overlap, normal, velocity);
+        }
+        put(scene, w, k, overlap, normal, velocity);
+    }
+    const struct rk_wall_touching *t = &scene->wall_touching;
+    for (size_t c = first; c < t->count; c++) {
+        if (!near->before[t->entry[c]]) {
+            take_over(scene, wall, c);
+        }
+    }
+    for (size_t k = 0; k < near->count; k++) {
+        near->before[k] = near->now[k];
+        if (!near->now[k]) {
+            near->history[RK_HISTORY_FT][k] = near->history[RK_HISTORY_MOMENT][k] = 0;
+        }
+    }
+}
+
+/* ---- Forces -----------------------------------------------------------------------------------
+ */
 
 /* The empty lanes behind the last contact repeat it; nobody reads what comes of them. */
 static void fill_up(struct rk_wall_touching *t) {
@@ -178,7 +189,6 @@ static void fill_up(struct rk_wall_touching *t) {
 /* Forces go to the grains and to the walls, and what contacts remember back to the lists. */
 static void give(struct rk_scene *scene) {
     struct rk_wall_touching *t = &scene->wall_touching;
-    size_t k = 0;
     for (size_t c = 0; c < t->count; c++) {
         struct rk_wall *wall = &scene->walls[t->wall[c]];
         const double *force = t->force + RK_FORCE_WIDTH * c;
@@ -188,12 +198,8 @@ static void give(struct rk_scene *scene) {
         total[2] += force[2];
         wall->force[0] += force[0];
         wall->force[1] += force[1];
-        k = c > 0 && t->wall[c] == t->wall[c - 1] ? k : 0;
-        while (wall->near[k] != t->grain[c]) {
-            k++;
-        }
         for (size_t h = 0; h < RK_HISTORIES; h++) {
-            wall->history[h][k] = t->history[h][c];
+            wall->near.history[h][t->entry[c]] = t->history[h][c];
         }
     }
 }
@@ -201,8 +207,8 @@ static void give(struct rk_scene *scene) {
 enum rk_status rk_walls_touch(struct rk_scene *scene, struct rk_error *err) {
     bool renewed = false;
     for (size_t w = 0; w < scene->wall_count; w++) {
-        if (!near_holds(scene, &scene->walls[w])) {
-            enum rk_status status = list_near(scene, w, err);
+        if (!rk_wall_near_holds(scene, &scene->walls[w])) {
+            enum rk_status status = rk_wall_near_build(scene, w, err);
             if (status) {
                 return status;
             }
@@ -218,7 +224,11 @@ enum rk_status rk_walls_touch(struct rk_scene *scene, struct rk_error *err) {
     scene->wall_touching.count = 0;
     for (size_t w = 0; w < scene->wall_count; w++) {
         scene->walls[w].force[0] = scene->walls[w].force[1] = 0;
-        touch_wall(scene, w);
+        if (scene->walls[w].line) {
+            touch_line(scene, w);
+        } else {
+            touch_shape(scene, w);
+        }
     }
     fill_up(&scene->wall_touching);
     return RK_OK;
@@ -238,15 +248,37 @@ enum rk_status rk_walls_push(struct rk_scene *scene, const struct rk_contact_law
 
 void rk_walls_free(struct rk_scene *scene) {
     struct rk_wall_touching *t = &scene->wall_touching;
-    void *const blocks[] = {t->material, t->nx,    t->ny,    t->overlap, t->vx,
-                            t->vy,       t->omega, t->rough, t->fn,      t->force};
+    void *const blocks[] = {t->entry, t->material, t->nx,    t->ny, t->overlap, t->vx,
+                            t->vy,    t->omega,    t->rough, t->fn, t->force};
     for (size_t b = 0; b < sizeof blocks / sizeof *blocks; b++) {
         free(blocks[b]);
     }
     for (size_t w = 0; w < scene->wall_count; w++) {
-        free(scene->walls[w].near);
-        free(scene->walls[w].history[RK_HISTORY_FT]);
-        free(scene->walls[w].history[RK_HISTORY_MOMENT]);
+        rk_wall_near_free(&scene->walls[w].near);
+        rk_wall_index_free(&scene->walls[w].index);
+        free(scene->walls[w].primitives);
     }
     free(scene->walls);
+}
+
+struct rk_wall_turn rk_scene_wall_turn(const struct rk_scene *scene, size_t wall) {
+    const struct rk_wall *body = &scene->walls[wall];
+    const struct rk_wall_touching *t = &scene->wall_touching;
+    const struct rk_grains *g = &scene->grains;
+    struct rk_wall_turn turn = {.angle = body->pose.angle, .velocity = body->pose.turn};
+    const double pivot[2] = {body->spec.pivot[0] + body->pose.shift[0],
+                             body->spec.pivot[1] + body->pose.shift[1]};
+    for (size_t c = 0; t->capacity > 0 && c < t->count; c++) {
+        if (t->wall[c] != wall) {
+            continue;
+        }
+        const double *force = t->force + RK_FORCE_WIDTH * c;
+        uint32_t i = t->grain[c];
+        double x = rk_wall_image(scene, body, &body->primitives[t->primitive[c]], g->x[i]);
+        double distance = g->radius[i] - t->overlap[c];
+        turn.torque += (x + t->nx[c] * distance - pivot[0]) * force[1] -
+                       (g->y[i] + t->ny[c] * distance - pivot[1]) * force[0] +
+                       t->history[RK_HISTORY_MOMENT][c];
+    }
+    return turn;
 }
