@@ -43,6 +43,8 @@ struct rk_param_group {
     const struct rk_param *rows;
     size_t count;
     size_t offset; /* of the group's struct in the table's */
+    /* How it is computed and watched, not what it is: the random numbers do not depend on it. */
+    bool technical;
 };
 
 struct rk_param_table {

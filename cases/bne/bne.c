@@ -100,15 +100,15 @@ static const struct rk_param drive_rows[] = {
 #define AT(member) offsetof(struct rk_bne, member)
 #define COUNT(rows) (sizeof(rows) / sizeof *(rows))
 static const struct rk_param_group groups[] = {
-    {"grains", rk_grains_params, RK_GRAINS_PARAMS, AT(grains)},
-    {"intruder", intruder_rows, COUNT(intruder_rows), AT(intruder)},
-    {"box", box_rows, COUNT(box_rows), AT(box)},
-    {"drive", drive_rows, COUNT(drive_rows), AT(drive)},
-    {"contact", rk_contact_params, RK_CONTACT_PARAMS, AT(contact)},
-    {"settle", rk_settle_params, RK_SETTLE_PARAMS, AT(settle)},
-    {"accuracy", rk_accuracy_params, RK_ACCURACY_PARAMS, AT(accuracy)},
-    {"health", rk_health_params, RK_HEALTH_PARAMS, AT(health)},
-    {"run", rk_run_params, RK_RUN_PARAMS, AT(run)},
+    {"grains", rk_grains_params, RK_GRAINS_PARAMS, AT(grains), false},
+    {"intruder", intruder_rows, COUNT(intruder_rows), AT(intruder), false},
+    {"box", box_rows, COUNT(box_rows), AT(box), false},
+    {"drive", drive_rows, COUNT(drive_rows), AT(drive), false},
+    {"contact", rk_contact_params, RK_CONTACT_PARAMS, AT(contact), false},
+    {"settle", rk_settle_params, RK_SETTLE_PARAMS, AT(settle), false},
+    {"accuracy", rk_accuracy_params, RK_ACCURACY_PARAMS, AT(accuracy), true},
+    {"health", rk_health_params, RK_HEALTH_PARAMS, AT(health), true},
+    {"run", rk_run_params, RK_RUN_PARAMS, AT(run), true},
 };
 static const struct rk_param_table table = {groups, COUNT(groups), sizeof(struct rk_bne)};
 #undef AT

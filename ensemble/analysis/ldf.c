@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct rk_param_group groups[] = {{"", rk_ldf_params, RK_LDF_PARAMS, 0}};
+static const struct rk_param_group groups[] = {{"", rk_ldf_params, RK_LDF_PARAMS, 0, false}};
 static const struct rk_param_table table = {groups, 1, sizeof(struct rk_ldf_options)};
 
 static enum rk_status check(const void *params, const struct rk_schedule *schedule,

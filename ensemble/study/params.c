@@ -113,10 +113,10 @@ const struct rk_yaml_node *rk_study_find_param(const struct rk_yaml *tree,
 }
 
 void rk_study_write_canonical(const struct rk_param_table *table, const void *values,
-                              const char *skip, FILE *out) {
+                              bool technical, FILE *out) {
     size_t total = rk_param_total(table);
     for (size_t i = 0; i < total; i++) {
-        if (!skip || strcmp(rk_param_at(table, i).group->prefix, skip) != 0) {
+        if (technical || !rk_param_at(table, i).group->technical) {
             struct rk_param_line line = rk_param_line(table, i, values);
             fprintf(out, "%s = %s\n", line.path, line.text);
         }

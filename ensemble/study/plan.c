@@ -16,7 +16,7 @@ static enum rk_status identify(const struct rk_study *study, char identity[RK_ID
             (unsigned long long)study->seed);
     for (size_t i = 0; i < study->point_count; i++) {
         fprintf(out, "point = %s\n", study->points[i].name);
-        rk_study_write_canonical(study->scene->params, study->points[i].params, NULL, out);
+        rk_study_write_canonical(study->scene->params, study->points[i].params, true, out);
     }
     bool good = fclose(out) == 0;
     if (good) {

@@ -33,8 +33,9 @@ static enum rk_status make_key(const struct rk_case *scene, struct rk_point *poi
         return rk_fail(err, RK_EMEMORY, "out of memory");
     }
     fprintf(out, "case = %s\n", scene->piece.name);
-    /* How long a run is and when it is looked at must not change its random numbers. */
-    rk_study_write_canonical(scene->params, point->params, "run", out);
+    /* How long a run is, how finely it is stepped and when it is looked at must not change its
+     * random numbers: the same beds at another time step. */
+    rk_study_write_canonical(scene->params, point->params, false, out);
     bool good = fclose(out) == 0;
     if (good) {
         point->key = XXH3_64bits(text, size);

@@ -28,9 +28,10 @@ enum rk_status rk_study_read_points(const struct rk_yaml *tree, struct rk_study 
 enum rk_status rk_study_read_analyses(const struct rk_yaml *tree, struct rk_study *study,
                                       struct rk_error *err);
 
-/* Write the parameters as "path = value" lines, all but those of the group `skip` (or NULL). The
- * text that keys and identities are hashes of: it must never change for the same parameters. */
+/* Write the parameters as "path = value" lines, without those of technical groups unless
+ * `technical`. Keys and identities are hashes of this text: it must never change for the same
+ * parameters. */
 void rk_study_write_canonical(const struct rk_param_table *table, const void *values,
-                              const char *skip, FILE *out);
+                              bool technical, FILE *out);
 
 #endif

@@ -121,7 +121,7 @@ static const struct rk_param rows[] = {
     ROW(samples, RK_PARAM_COUNT, 5), ROW(frames, RK_PARAM_COUNT, 1),
     ROW(blow_up, RK_PARAM_REAL, 0),  ROW(rotates, RK_PARAM_FLAG, 0),
 };
-static const struct rk_param_group groups[] = {{"shaker", rows, 6, 0}};
+static const struct rk_param_group groups[] = {{"shaker", rows, 6, 0, false}};
 static const struct rk_param_table table = {groups, 1, sizeof(struct fake_shaker_params)};
 
 static enum rk_status check(const void *params, struct rk_error *err) {
