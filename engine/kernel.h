@@ -1,6 +1,7 @@
 /* The hot loops of a step, once per vector width.
  *
- * Velocity Verlet in predictor-corrector form (Martins 2021, eq. 11):
+ * One predictor and one corrector for each scheme of engine/integrator.h. The first is velocity
+ * Verlet in predictor-corrector form (Martins 2021, eq. 11):
  *     predict   r <- r + v dt + a dt^2/2,  v <- v + a dt
  *     force     a' from r and the predicted v: one evaluation a step
  *     correct   v <- v + (a' - a) dt/2,  a <- a'
@@ -13,6 +14,7 @@
 #define RK_ENGINE_KERNEL_H
 
 #include "engine/contact.h"
+#include "engine/integrator.h"
 #include "engine/scene.h"
 
 typedef void rk_push(struct rk_grains *grains, const struct rk_contact_law *law,
@@ -25,7 +27,7 @@ struct rk_kernel {
     bool (*usable)(void); /* on this processor */
 
     /* Predict all grains; the bounds of this step's moves are added to `moved`. */
-    void (*predict)(struct rk_grains *grains, double dt, struct rk_bounds *moved);
+    void (*predict[RK_SCHEMES])(struct rk_grains *grains, double dt, struct rk_bounds *moved);
 
     /* Which pairs touch. The histories of the pairs move to the touching ones. */
     void (*touch)(const struct rk_grains *grains, struct rk_pairs *pairs,
@@ -40,8 +42,8 @@ struct rk_kernel {
     /* Forces of the touching walls, left in touching->force. */
     rk_press *press[RK_NORMALS][RK_TANGENTS][2][2];
 
-    /* Correct all grains with grains->force. */
-    void (*correct)(struct rk_grains *grains, double dt);
+    /* Correct all grains with grains->force; if this moves them, the bounds are added likewise. */
+    void (*correct[RK_SCHEMES])(struct rk_grains *grains, double dt, struct rk_bounds *moved);
 };
 
 extern const struct rk_kernel rk_kernel_portable, rk_kernel_avx2, rk_kernel_avx512;

@@ -73,7 +73,8 @@ static void predict(struct rk_grains *grains, double dt, struct rk_bounds *moved
     }
 }
 
-static void correct(struct rk_grains *grains, double dt) {
+static void correct(struct rk_grains *grains, double dt, struct rk_bounds *moved) {
+    (void)moved;
     const double half = 0.5 * dt;
     for (size_t i = 0; i < grains->count; i += LANES) {
         lanes fx, fy, torque;
@@ -422,10 +423,10 @@ FLAVOURS_OF(viscoelastic, RK_VISCOELASTIC)
 const struct rk_kernel KERNEL_TABLE = {
     .piece = {KERNEL_NAME, KERNEL_DOC},
     .usable = KERNEL_USABLE,
-    .predict = predict,
+    .predict = {[RK_SCHEME_VERLET] = predict},
     .touch = touch,
     .weigh = weigh,
     .push = {TABLE_OF(push, linear), TABLE_OF(push, mass_damped), TABLE_OF(push, viscoelastic)},
     .press = {TABLE_OF(press, linear), TABLE_OF(press, mass_damped), TABLE_OF(press, viscoelastic)},
-    .correct = correct,
+    .correct = {[RK_SCHEME_VERLET] = correct},
 };

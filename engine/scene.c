@@ -5,6 +5,7 @@
 #include "engine/drives.h"
 #include "engine/fields.h"
 #include "engine/health.h"
+#include "engine/integrator.h"
 #include "engine/kernel.h"
 #include "engine/lanes.h"
 #include "engine/ledger.h"
@@ -27,6 +28,13 @@ const struct rk_param rk_accuracy_params[RK_ACCURACY_PARAMS] = {
      .above_low = true,
      .high = 2,
      .doc = "time step, at most, m the mass of a mean grain: 0.01 is Martins 2021 for shaking"},
+    {.name = "integrator",
+     .type = RK_PARAM_PIECE,
+     .offset = AT(integrator),
+     .unit = "",
+     .choice = "verlet",
+     .choices = &rk_integrator_registry,
+     .doc = "how grains are moved"},
     {.name = "neighbours",
      .type = RK_PARAM_PIECE,
      .offset = AT(neighbour),
@@ -138,6 +146,9 @@ enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene
     }
     if (!new->spec.accuracy.neighbour) {
         new->spec.accuracy.neighbour = rk_neighbour_default;
+    }
+    if (!new->spec.accuracy.integrator) {
+        new->spec.accuracy.integrator = &rk_integrator_verlet.piece;
     }
     if (!new->spec.contact.rolling) {
         new->spec.contact.rolling = &rk_rolling_none;
@@ -416,7 +427,7 @@ static enum rk_status prime(struct rk_scene *scene, struct rk_error *err) {
         status = rk_health_check(scene, err); /* grains may have been put inside each other */
     }
     if (status == RK_OK) {
-        scene->kernel->correct(&scene->grains, 0);
+        scene->kernel->correct[RK_SCHEME_VERLET](&scene->grains, 0, &scene->neighbours.moved);
         scene->primed = 1;
     }
     if (status == RK_OK && scene->has[RK_IF_LEDGER]) {
@@ -449,6 +460,7 @@ void rk_scene_index_tags(struct rk_scene *scene) {
 static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_law *law,
                                 struct rk_error *err) {
     const struct rk_kernel *kernel = scene->kernel;
+    const enum rk_scheme scheme = rk_integrator_of(scene->spec.accuracy.integrator)->scheme;
     enum rk_status status = RK_OK;
     if (scene->steps % RK_ORDER_EVERY == 0) {
         status = rk_order_renew(scene, err);
@@ -461,7 +473,7 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
         return status;
     }
     uint64_t since = scene->now ? scene->now() : 0;
-    kernel->predict(&scene->grains, scene->spec.dt, &scene->neighbours.moved);
+    kernel->predict[scheme](&scene->grains, scene->spec.dt, &scene->neighbours.moved);
     rk_walls_move(scene, (double)(scene->steps + 1) * scene->spec.dt);
     tick(scene, RK_PHASE_MOVE, since);
     status = add_forces(scene, law, err);
@@ -469,7 +481,7 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
         return status;
     }
     since = scene->now ? scene->now() : 0;
-    kernel->correct(&scene->grains, scene->spec.dt);
+    kernel->correct[scheme](&scene->grains, scene->spec.dt, &scene->neighbours.moved);
     tick(scene, RK_PHASE_MOVE, since);
     scene->steps++;
     if (scene->has[RK_IF_LEDGER]) {
