@@ -53,6 +53,19 @@ static void pad(struct rk_grains *grains) {
     }
 }
 
+/* The bounds of the moves of `count` grains. */
+static inline void add_bounds(struct rk_bounds *moved, size_t count, const struct span *x,
+                              const struct span *y) {
+    if (count > 0) {
+        moved->low[0] += least_of(x->least);
+        moved->low[1] += least_of(y->least);
+        moved->high[0] -= least_of(-x->most);
+        moved->high[1] -= least_of(-y->most);
+    }
+}
+
+#include "engine/integrator_gear5.h"
+
 static void predict(struct rk_grains *grains, double dt, struct rk_bounds *moved) {
     const double half_dt2 = 0.5 * dt * dt;
     struct span x = {lanes_all(INFINITY), lanes_all(-INFINITY)}, y = x, turn = x;
@@ -65,12 +78,7 @@ static void predict(struct rk_grains *grains, double dt, struct rk_bounds *moved
                           &turn);
         }
     }
-    if (grains->count > 0) {
-        moved->low[0] += least_of(x.least);
-        moved->low[1] += least_of(y.least);
-        moved->high[0] -= least_of(-x.most);
-        moved->high[1] -= least_of(-y.most);
-    }
+    add_bounds(moved, grains->count, &x, &y);
 }
 
 static void correct(struct rk_grains *grains, double dt, struct rk_bounds *moved) {
@@ -423,10 +431,10 @@ FLAVOURS_OF(viscoelastic, RK_VISCOELASTIC)
 const struct rk_kernel KERNEL_TABLE = {
     .piece = {KERNEL_NAME, KERNEL_DOC},
     .usable = KERNEL_USABLE,
-    .predict = {[RK_SCHEME_VERLET] = predict},
+    .predict = {[RK_SCHEME_VERLET] = predict, [RK_SCHEME_GEAR5] = gear_predict},
     .touch = touch,
     .weigh = weigh,
     .push = {TABLE_OF(push, linear), TABLE_OF(push, mass_damped), TABLE_OF(push, viscoelastic)},
     .press = {TABLE_OF(press, linear), TABLE_OF(press, mass_damped), TABLE_OF(press, viscoelastic)},
-    .correct = {[RK_SCHEME_VERLET] = correct},
+    .correct = {[RK_SCHEME_VERLET] = correct, [RK_SCHEME_GEAR5] = gear_correct},
 };

@@ -108,6 +108,8 @@ static void note_needs(struct rk_scene *scene) {
     scene->has[RK_IF_ROTATES] = contact->friction != &rk_friction_none.piece;
     scene->has[RK_IF_REMEMBERS] = springs || rolls;
     scene->has[RK_IF_ROLLS] = rolls;
+    scene->has[RK_IF_DERIVED] = rk_integrator_of(scene->spec.accuracy.integrator)->derivatives;
+    scene->has[RK_IF_DERIVED_TURN] = scene->has[RK_IF_DERIVED] && scene->has[RK_IF_ROTATES];
     scene->has[RK_IF_LEDGER] = scene->spec.ledger;
     scene->pairs.histories = rolls ? 2 : springs ? 1 : 0;
     scene->touching.histories = scene->pairs.histories;
@@ -413,13 +415,18 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
     return status;
 }
 
+enum rk_status rk_scene_add_forces(struct rk_scene *scene, double dt, struct rk_error *err) {
+    struct rk_contact_law law;
+    rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, dt);
+    return add_forces(scene, &law, err);
+}
+
 /* Before the very first step: accelerations that belong to the positions. No time passes, so no
  * tangential force builds up. */
 static enum rk_status prime(struct rk_scene *scene, struct rk_error *err) {
-    struct rk_contact_law law;
-    rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, 0);
+    const struct rk_integrator *integrator = rk_integrator_of(scene->spec.accuracy.integrator);
     rk_walls_move(scene, rk_scene_time(scene));
-    enum rk_status status = add_forces(scene, &law, err);
+    enum rk_status status = rk_scene_add_forces(scene, 0, err);
     if (status == RK_OK) {
         status = coincident(scene, err);
     }
@@ -428,8 +435,9 @@ static enum rk_status prime(struct rk_scene *scene, struct rk_error *err) {
     }
     if (status == RK_OK) {
         scene->kernel->correct[RK_SCHEME_VERLET](&scene->grains, 0, &scene->neighbours.moved);
-        scene->primed = 1;
+        status = integrator->start ? integrator->start(scene, err) : RK_OK;
     }
+    scene->primed = status == RK_OK;
     if (status == RK_OK && scene->has[RK_IF_LEDGER]) {
         rk_ledger_begin(scene);
     }

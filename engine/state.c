@@ -133,6 +133,7 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
     const struct rk_grains *g = &scene->grains;
     for (size_t i = 0; i < g->count; i++) {
         double sum = g->x[i] + g->y[i] + g->vx[i] + g->vy[i] + g->ax[i] + g->ay[i];
+        sum += g->jx ? g->jx[i] + g->jy[i] + g->sx[i] + g->sy[i] : 0;
         if (!isfinite(sum) || !(g->radius[i] > 0) || !isfinite(g->radius[i]) || !(g->mass[i] > 0) ||
             !isfinite(g->mass[i]) || !(g->inverse_mass[i] >= 0)) {
             return damaged(err, "a grain has a value that cannot be");
@@ -157,6 +158,31 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
     return twice ? damaged(err, "two grains have the same number") : RK_OK;
 }
 
+static void copy_fields(struct rk_scene *scene, const uint64_t scalars[STATE_SCALARS],
+                        const void *block) {
+    const char *at = (const char *)block + sizeof state_mark + STATE_SCALARS * sizeof(uint64_t);
+    scene->grains.count = scalars[3];
+    scene->touching.count = scalars[4];
+    scene->wall_touching.count = scalars[5];
+    for (size_t s = 0; s < KEPT; s++) {
+        for (size_t f = 0; f < kept[s]->count; f++) {
+            const struct rk_field *field = &kept[s]->fields[f];
+            if (rk_field_present(scene, field) && scalars[3 + s] > 0) {
+                size_t bytes = scalars[3 + s] * rk_field_size(field);
+                memcpy(rk_field_array(scene, field), at, bytes);
+                at += bytes;
+            }
+        }
+    }
+}
+
+void rk_scene_rewind(struct rk_scene *scene, const void *block) {
+    uint64_t scalars[STATE_SCALARS];
+    memcpy(scalars, (const char *)block + sizeof state_mark, sizeof scalars);
+    copy_fields(scene, scalars, block);
+    scene->neighbours.valid = false; /* the next list takes over what contacts remember */
+}
+
 enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t size,
                                struct rk_error *err) {
     uint64_t scalars[STATE_SCALARS];
@@ -175,20 +201,7 @@ enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t
     }
     scene->steps = scalars[0];
     scene->primed = scalars[1];
-    scene->grains.count = scalars[3];
-    scene->touching.count = scalars[4];
-    scene->wall_touching.count = scalars[5];
-    const char *at = (const char *)block + sizeof state_mark + sizeof scalars;
-    for (size_t s = 0; s < KEPT; s++) {
-        for (size_t f = 0; f < kept[s]->count; f++) {
-            const struct rk_field *field = &kept[s]->fields[f];
-            if (rk_field_present(scene, field)) {
-                size_t bytes = scalars[3 + s] * rk_field_size(field);
-                memcpy(rk_field_array(scene, field), at, bytes);
-                at += bytes;
-            }
-        }
-    }
+    copy_fields(scene, scalars, block);
     scene->ready = false;
     status = check_grains(scene, err);
     if (status == RK_OK) {
