@@ -20,6 +20,7 @@ struct rk_integrator {
     bool implicit;    /* the dashpot is relaxed towards the corrected velocity */
     bool derivatives; /* third and fourth derivatives are kept for each grain */
     int order;        /* of the global error on a smooth problem */
+    int impact_order; /* of the restitution of a damped collision */
     /* The share of the limit of one contact that holds for a grain among many. */
     double crowd;
     /* One step of x'' = -x - b x' as a matrix of `size` rows, in any choice of variables. */

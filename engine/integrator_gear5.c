@@ -128,6 +128,7 @@ const struct rk_integrator rk_integrator_gear5 = {
     .scheme = RK_SCHEME_GEAR5,
     .derivatives = true,
     .order = 4,
+    .impact_order = 1,
     .crowd = 1,
     .size = 5,
     .map = map,

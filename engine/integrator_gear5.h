@@ -4,7 +4,7 @@
  *     r += 19/90 h^2/2 D,  v += 3/4 h/2 D,  a += D,  j += 1/2 3/h D,  s += 1/12 12/h^2 D
  * 19/90 is the coefficient for forces that depend on the velocity. The corrector moves the grains
  * once more, so it adds to the bounds of their moves. Global error: fourth order where the force is
- * smooth; no better than Verlet's where contacts begin and end. */
+ * smooth, first order in a damped collision, which begins with a jump of the force. */
 #ifndef RK_ENGINE_INTEGRATOR_GEAR5_H
 #define RK_ENGINE_INTEGRATOR_GEAR5_H
 

@@ -24,6 +24,7 @@ const struct rk_integrator rk_integrator_verlet = {
                         "eq. 11); second order"},
     .scheme = RK_SCHEME_VERLET,
     .order = 2,
+    .impact_order = 2,
     .crowd = 1,
     .size = 3,
     .map = map,

@@ -16,7 +16,7 @@
 
 /* A shaken box of a few grains of sizes 1 to 8, packed at `steps`. */
 struct recipe {
-    const char *law, *friction, *rolling, *tension, *neighbours, *kernel;
+    const char *law, *friction, *rolling, *tension, *neighbours, *kernel, *integrator;
     bool periodic, mixed;
     double skin;
 };
@@ -41,7 +41,10 @@ static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
                     .mu_rolling = 0.1,
                     .young = 2e4,
                     .loss = 0.002},
-        .accuracy = {.neighbour = rk_registry_find(&rk_neighbour_registry, r->neighbours),
+        .accuracy = {.integrator = r->integrator
+                                       ? rk_registry_find(&rk_integrator_registry, r->integrator)
+                                       : NULL,
+                     .neighbour = rk_registry_find(&rk_neighbour_registry, r->neighbours),
                      .skin = r->skin},
         .health = {.overlap = 0.9, .travel = 0.5, .every = 100},
         .ledger = r->mixed,
@@ -124,7 +127,8 @@ static void *outcome(const struct recipe *recipe, size_t *size) {
 }
 
 /* Every law, friction, rolling resistance and tension of the registries, so that a new piece is
- * tested the day it is added; sides and materials take turns. */
+ * tested the day it is added; sides and materials take turns. Every integrator meets every friction
+ * and rolling resistance; the first of them meets all. */
 static void for_every_physics(void (*check)(struct recipe recipe)) {
     const size_t laws = rk_law_registry.count, frictions = rk_friction_registry.count;
     const size_t rollings = rk_rolling_registry.count, tensions = rk_tension_registry.count;
@@ -135,6 +139,22 @@ static void for_every_physics(void (*check)(struct recipe recipe)) {
             .rolling = rk_rolling_registry.pieces[k / laws / frictions % rollings]->name,
             .tension = rk_tension_registry.pieces[k / laws / frictions / rollings]->name,
             .neighbours = "cells",
+            .periodic = k % 2 == 0,
+            .mixed = k / 2 % 2 == 0,
+            .skin = 0.1};
+        if (strcmp(recipe.friction, "none") != 0 || strcmp(recipe.rolling, "none") == 0) {
+            recipe.integrator = rk_integrator_registry.pieces[0]->name;
+            check(recipe);
+        }
+    }
+    for (size_t k = 0; k < (rk_integrator_registry.count - 1) * frictions * rollings; k++) {
+        struct recipe recipe = {
+            .law = rk_law_registry.pieces[k % laws]->name,
+            .friction = rk_friction_registry.pieces[k % frictions]->name,
+            .rolling = rk_rolling_registry.pieces[k / frictions % rollings]->name,
+            .tension = rk_tension_registry.pieces[k % tensions]->name,
+            .neighbours = "cells",
+            .integrator = rk_integrator_registry.pieces[1 + k / frictions / rollings]->name,
             .periodic = k % 2 == 0,
             .mixed = k / 2 % 2 == 0,
             .skin = 0.1};
@@ -227,8 +247,8 @@ static void looking_changes_nothing(void **state) {
  * a scene that can be stepped; it never leads out of bounds (run under the address sanitizer). */
 static void damaged_states_do_no_harm(void **state) {
     (void)state;
-    struct recipe recipe = {"linear", "cundall-strack", "none", "cut", "cells", NULL, false, false,
-                            0.1};
+    struct recipe recipe = {
+        "linear", "cundall-strack", "none", "cut", "cells", NULL, NULL, false, false, 0.1};
     struct rk_scene *scene = shaken_box(&recipe, GRAINS);
     drop_grains(scene, &recipe, GRAINS);
     step(scene, 6000);
@@ -260,7 +280,8 @@ static void damaged_states_do_no_harm(void **state) {
 
 static void wrong_scenes_are_refused(void **state) {
     (void)state;
-    struct recipe recipe = {"linear", "none", "none", "cut", "cells", NULL, false, false, 0.1};
+    struct recipe recipe = {"linear", "none", "none", "cut", "cells",
+                            NULL,     NULL,   false,  false, 0.1};
     struct rk_scene *scene = shaken_box(&recipe, 2);
     struct rk_error err = RK_NO_ERROR;
     static const struct rk_grain bad[] = {
@@ -288,7 +309,7 @@ static void wrong_scenes_are_refused(void **state) {
 static void scenes_of_none_one_and_two_grains_run(void **state) {
     (void)state;
     for (size_t grains = 0; grains <= 2; grains++) {
-        struct recipe recipe = {"linear", "cundall-strack", "none", "cut", "cells",
+        struct recipe recipe = {"linear", "cundall-strack", "none", "cut", "cells", NULL,
                                 NULL,     grains == 1,      false,  0.1};
         struct rk_scene *scene = shaken_box(&recipe, grains);
         drop_grains(scene, &recipe, grains);
@@ -301,8 +322,8 @@ static void scenes_of_none_one_and_two_grains_run(void **state) {
 /* Nonsense is noticed, named and explained. */
 static void a_run_gone_wrong_is_stopped_with_the_reason(void **state) {
     (void)state;
-    struct recipe recipe = {"linear", "cundall-strack", "none", "cut", "cells", NULL, false, false,
-                            0.1};
+    struct recipe recipe = {
+        "linear", "cundall-strack", "none", "cut", "cells", NULL, NULL, false, false, 0.1};
     struct rk_error err = RK_NO_ERROR;
     struct rk_scene *scene = shaken_box(&recipe, 2);
     struct rk_grain bullet = {.x = 5, .y = 9, .vx = 400, .radius = 0.5, .mass = 0.25};
