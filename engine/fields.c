@@ -41,6 +41,7 @@ static const struct rk_field contact_rows[] = {
     {"second", RK_FIELD_U32, TOUCHING(second), RK_IF_REMEMBERS, "the grain later in the order"},
     {"ft", RK_FIELD_F64, TOUCHING(history[RK_HISTORY_FT]), RK_IF_REMEMBERS, "tangential force"},
     {"moment", RK_FIELD_F64, TOUCHING(history[RK_HISTORY_MOMENT]), RK_IF_ROLLS, "rolling moment"},
+    {"fn", RK_FIELD_F64, TOUCHING(history[RK_HISTORY_FN]), RK_IF_IMPLICIT, "normal force"},
 };
 const struct rk_field_set rk_contact_fields = {"contacts", contact_rows,
                                                sizeof contact_rows / sizeof *contact_rows,
@@ -53,6 +54,7 @@ static const struct rk_field wall_contact_rows[] = {
     {"ft", RK_FIELD_F64, WALL_TOUCHING(history[RK_HISTORY_FT]), RK_ALWAYS, "tangential force"},
     {"moment", RK_FIELD_F64, WALL_TOUCHING(history[RK_HISTORY_MOMENT]), RK_ALWAYS,
      "rolling moment"},
+    {"fn", RK_FIELD_F64, WALL_TOUCHING(history[RK_HISTORY_FN]), RK_IF_IMPLICIT, "normal force"},
 };
 const struct rk_field_set rk_wall_contact_fields = {
     "wall contacts", wall_contact_rows, sizeof wall_contact_rows / sizeof *wall_contact_rows,

@@ -3,8 +3,8 @@
 
 #include <math.h>
 
-static const struct rk_piece *const integrators[] = {&rk_integrator_verlet.piece,
-                                                     &rk_integrator_gear5.piece};
+static const struct rk_piece *const integrators[] = {
+    &rk_integrator_verlet.piece, &rk_integrator_implicit.piece, &rk_integrator_gear5.piece};
 const struct rk_registry rk_integrator_registry = {
     "integrator", "how grains are moved; one force evaluation a step", integrators,
     sizeof integrators / sizeof *integrators};

@@ -36,11 +36,16 @@ struct rk_kernel {
     /* grains->force: the weights of the grains, to which the contacts are added. */
     void (*weigh)(struct rk_grains *grains, const double gravity[2]);
 
+    /* For an implicit integrator, before push: grains->ease, from the pairs that touch now and the
+     * walls that touched a step ago. */
+    void (*ease)(struct rk_grains *grains, const struct rk_touching *touching,
+                 const struct rk_wall_touching *walls);
+
     /* Forces of the touching pairs, added to grains->force in their order. */
-    rk_push *push[RK_NORMALS][RK_TANGENTS][2][2]; /* [normal][tangent][rolls][mixed] */
+    rk_push *push[2][RK_NORMALS][RK_TANGENTS][2][2]; /* [implicit][normal][tangent][rolls][mixed] */
 
     /* Forces of the touching walls, left in touching->force. */
-    rk_press *press[RK_NORMALS][RK_TANGENTS][2][2];
+    rk_press *press[2][RK_NORMALS][RK_TANGENTS][2][2];
 
     /* Correct all grains with grains->force; if this moves them, the bounds are added likewise. */
     void (*correct[RK_SCHEMES])(struct rk_grains *grains, double dt, struct rk_bounds *moved);

@@ -222,6 +222,8 @@ size_t rk_scene_memory(const struct rk_scene *scene) {
                    4 * sizeof(uint32_t);
     size_t pair = 3 * sizeof(uint32_t) + 4 * sizeof(double) + RK_FORCE_WIDTH * sizeof(double);
     grain += scene->has[RK_IF_ROTATES] ? 4 * sizeof(double) : 0;
+    grain += scene->has[RK_IF_IMPLICIT] ? (1 + RK_FORCE_WIDTH) * sizeof(double) : 0;
+    pair += scene->has[RK_IF_IMPLICIT] ? 2 * sizeof(double) : 0;
     grain += scene->has[RK_IF_DERIVED] ? 4 * sizeof(double) : 0;
     grain += scene->has[RK_IF_DERIVED_TURN] ? 2 * sizeof(double) : 0;
     pair += scene->spec.period_x > 0 ? sizeof(double) : 0;

@@ -86,6 +86,12 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     enum rk_status status = rk_fields_resize(scene, &rk_grain_fields, n, err);
     /* Loops over grains take whole vectors: what lies behind the last grain is read, never used. */
     scene->grains.force = rk_array_create(n + LANES, RK_FORCE_WIDTH * sizeof(double));
+    bool eased = true;
+    if (scene->has[RK_IF_IMPLICIT]) {
+        scene->grains.ease = rk_array_create(n + LANES, sizeof(double));
+        scene->grains.spread = rk_array_create(n, RK_FORCE_WIDTH * sizeof(double));
+        eased = scene->grains.ease && scene->grains.spread;
+    }
     near->cell_of = rk_array_create(n, sizeof(uint32_t));
     near->in_cell = rk_array_create(n, sizeof(uint32_t));
     near->row_start = rk_array_create(n + 2, sizeof(uint32_t));
@@ -93,7 +99,7 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     if (status == RK_OK && scene->has[RK_IF_LEDGER]) {
         status = rk_ledger_create(scene, err);
     }
-    if (status == RK_OK && (!scene->grains.force || !near->cell_of || !near->in_cell ||
+    if (status == RK_OK && (!eased || !scene->grains.force || !near->cell_of || !near->in_cell ||
                             !near->row_start || !scene->walls)) {
         status = rk_fail(err, RK_EMEMORY, "no memory for a scene of %zu grains", n);
     }
@@ -104,15 +110,18 @@ static void note_needs(struct rk_scene *scene) {
     const struct rk_contact_spec *contact = &scene->spec.contact;
     bool rolls = contact->rolling == &rk_rolling_spring;
     bool springs = contact->friction == &rk_friction_cundall_strack.piece;
+    bool implicit = rk_integrator_of(scene->spec.accuracy.integrator)->implicit;
     scene->has[RK_ALWAYS] = true;
     scene->has[RK_IF_ROTATES] = contact->friction != &rk_friction_none.piece;
-    scene->has[RK_IF_REMEMBERS] = springs || rolls;
-    scene->has[RK_IF_ROLLS] = rolls;
+    scene->has[RK_IF_REMEMBERS] = springs || rolls || implicit;
+    scene->has[RK_IF_ROLLS] = rolls || implicit; /* histories come one after the other */
+    scene->has[RK_IF_IMPLICIT] = implicit;
     scene->has[RK_IF_DERIVED] = rk_integrator_of(scene->spec.accuracy.integrator)->derivatives;
     scene->has[RK_IF_DERIVED_TURN] = scene->has[RK_IF_DERIVED] && scene->has[RK_IF_ROTATES];
     scene->has[RK_IF_LEDGER] = scene->spec.ledger;
-    scene->pairs.histories = rolls ? 2 : springs ? 1 : 0;
+    scene->pairs.histories = implicit ? 3 : rolls ? 2 : springs ? 1 : 0;
     scene->touching.histories = scene->pairs.histories;
+    scene->wall_touching.histories = implicit ? 3 : 2;
 }
 
 enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene **scene,
@@ -178,6 +187,8 @@ void rk_scene_free(struct rk_scene *scene) {
     rk_fields_free(scene, &rk_wall_contact_fields);
     rk_fields_free(scene, &rk_ledger_fields);
     free(scene->grains.force);
+    free(scene->grains.ease);
+    free(scene->grains.spread);
     free(scene->index_of);
     free(scene);
 }
@@ -405,7 +416,10 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
     kernel->touch(&scene->grains, &scene->pairs, &scene->touching);
     since = tick(scene, RK_PHASE_TOUCH, since);
     kernel->weigh(&scene->grains, scene->spec.gravity);
-    kernel->push[law->normal][law->tangent][law->rolls][law->materials > 1](
+    if (law->implicit) {
+        kernel->ease(&scene->grains, &scene->touching, &scene->wall_touching);
+    }
+    kernel->push[law->implicit][law->normal][law->tangent][law->rolls][law->materials > 1](
         &scene->grains, law, &scene->pairs, &scene->touching);
     since = tick(scene, RK_PHASE_PUSH, since);
     enum rk_status status = rk_walls_push(scene, law, err);

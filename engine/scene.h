@@ -12,8 +12,9 @@
 /* Sums over contacts of a grain: fx, fy, torque, and one double to fill half a cache line. */
 enum { RK_FORCE_WIDTH = 4 };
 
-/* What a contact remembers while it lives: the tangential force and the rolling moment. */
-enum { RK_HISTORY_FT, RK_HISTORY_MOMENT, RK_HISTORIES };
+/* What a contact remembers while it lives: the tangential force, the rolling moment, and for an
+ * implicit integrator the normal force. A scene has the first few of them. */
+enum { RK_HISTORY_FT, RK_HISTORY_MOMENT, RK_HISTORY_FN, RK_HISTORIES };
 
 /* What a scene may have or not have; state that belongs to it is there or not. */
 enum rk_need {
@@ -23,6 +24,7 @@ enum rk_need {
     RK_IF_ROLLS,        /* there is rolling resistance */
     RK_IF_MIXED,        /* there are several materials */
     RK_IF_LEDGER,       /* energies are accounted for */
+    RK_IF_IMPLICIT,     /* the integrator remembers normal forces */
     RK_IF_DERIVED,      /* the integrator keeps third and fourth derivatives */
     RK_IF_DERIVED_TURN, /* and something rotates */
     RK_NEEDS
@@ -39,6 +41,8 @@ struct rk_grains {
     uint32_t *tag;
     uint32_t *material; /* NULL where there is one material only */
     double *force;      /* [capacity][RK_FORCE_WIDTH], scratch of a step */
+    double *ease;   /* how easily its contacts move a grain, scratch of an implicit step; or NULL */
+    double *spread; /* [capacity][RK_FORCE_WIDTH], scratch for that */
 };
 
 /* Neighbour pairs in the order of (first, second), first < second. */
@@ -99,7 +103,9 @@ struct rk_wall_touching {
     double *nx, *ny, *overlap; /* normal from the grain to the wall */
     double *vx, *vy, *omega;   /* velocity of the wall where it is touched, and its spin */
     double *rough;             /* 1, or 0 at a smooth wall */
-    double *fn, *history[RK_HISTORIES];
+    double *fn;
+    size_t histories;
+    double *history[RK_HISTORIES];
     double *force; /* [capacity][RK_FORCE_WIDTH]: on the wall fx, fy; torque on the grain */
 };
 

@@ -95,9 +95,8 @@ static enum rk_status check_block(const struct rk_scene *scene, const char *bloc
     return head == size ? RK_OK : damaged(err, "its length does not fit its contents");
 }
 
-static bool remembers_numbers(const struct rk_scene *scene, double *const history[RK_HISTORIES],
-                              size_t c) {
-    for (size_t h = 0; h < scene->touching.histories; h++) {
+static bool remembers_numbers(size_t histories, double *const history[RK_HISTORIES], size_t c) {
+    for (size_t h = 0; h < histories; h++) {
         if (!isfinite(history[h][c])) {
             return false;
         }
@@ -113,7 +112,7 @@ static enum rk_status check_contacts(const struct rk_scene *scene, struct rk_err
         bool later = c == 0 || t->first[c] > t->first[c - 1] ||
                      (t->first[c] == t->first[c - 1] && t->second[c] > t->second[c - 1]);
         if (t->first[c] >= t->second[c] || t->second[c] >= n || !later ||
-            !remembers_numbers(scene, t->history, c)) {
+            !remembers_numbers(t->histories, t->history, c)) {
             return damaged(err, "its contacts are out of order");
         }
     }
@@ -121,8 +120,7 @@ static enum rk_status check_contacts(const struct rk_scene *scene, struct rk_err
         bool later = c == 0 || w->wall[c] > w->wall[c - 1] ||
                      (w->wall[c] == w->wall[c - 1] && w->grain[c] > w->grain[c - 1]);
         if (w->wall[c] >= scene->wall_count || w->grain[c] >= n || !later ||
-            !isfinite(w->history[RK_HISTORY_FT][c]) ||
-            !isfinite(w->history[RK_HISTORY_MOMENT][c])) {
+            !remembers_numbers(w->histories, w->history, c)) {
             return damaged(err, "its wall contacts are out of order");
         }
     }

@@ -71,7 +71,7 @@ static enum rk_status list_near(struct rk_scene *scene, size_t w, struct rk_erro
     free(wall->near);
     wall->near = rk_array_create(count, sizeof *wall->near);
     bool failed = !wall->near;
-    for (size_t h = 0; h < RK_HISTORIES; h++) {
+    for (size_t h = 0; h < t->histories; h++) {
         free(wall->history[h]);
         wall->history[h] = rk_array_create(count, sizeof(double));
         failed = failed || !wall->history[h];
@@ -92,7 +92,7 @@ static enum rk_status list_near(struct rk_scene *scene, size_t w, struct rk_erro
             c++;
         }
         bool touched = c < t->count && t->wall[c] == w && t->grain[c] == i;
-        for (size_t h = 0; h < RK_HISTORIES; h++) {
+        for (size_t h = 0; h < t->histories; h++) {
             wall->history[h][wall->near_count] = touched ? t->history[h][c] : 0;
         }
         wall->near[wall->near_count++] = (uint32_t)i;
@@ -148,7 +148,9 @@ static void touch_wall(struct rk_scene *scene, size_t w) {
         double overlap =
             g->radius[i] - (nx * (wall->at[0] - g->x[i]) + ny * (wall->at[1] - g->y[i]));
         if (!(overlap > 0)) {
-            wall->history[RK_HISTORY_FT][k] = wall->history[RK_HISTORY_MOMENT][k] = 0;
+            for (size_t h = 0; h < t->histories; h++) {
+                wall->history[h][k] = 0;
+            }
             continue;
         }
         size_t c = t->count++;
@@ -162,8 +164,9 @@ static void touch_wall(struct rk_scene *scene, size_t w) {
         t->vy[c] = wall->velocity[1];
         t->omega[c] = 0;
         t->rough[c] = wall->spec.friction ? 1 : 0;
-        t->history[RK_HISTORY_FT][c] = wall->history[RK_HISTORY_FT][k];
-        t->history[RK_HISTORY_MOMENT][c] = wall->history[RK_HISTORY_MOMENT][k];
+        for (size_t h = 0; h < t->histories; h++) {
+            t->history[h][c] = wall->history[h][k];
+        }
     }
 }
 
@@ -192,7 +195,7 @@ static void give(struct rk_scene *scene) {
         while (wall->near[k] != t->grain[c]) {
             k++;
         }
-        for (size_t h = 0; h < RK_HISTORIES; h++) {
+        for (size_t h = 0; h < t->histories; h++) {
             wall->history[h][k] = t->history[h][c];
         }
     }
@@ -222,7 +225,7 @@ enum rk_status rk_walls_push(struct rk_scene *scene, const struct rk_contact_law
         touch_wall(scene, w);
     }
     fill_up(&scene->wall_touching);
-    scene->kernel->press[law->normal][law->tangent][law->rolls][law->materials > 1](
+    scene->kernel->press[law->implicit][law->normal][law->tangent][law->rolls][law->materials > 1](
         &scene->grains, law, &scene->wall_touching);
     give(scene);
     return RK_OK;
@@ -237,8 +240,9 @@ void rk_walls_free(struct rk_scene *scene) {
     }
     for (size_t w = 0; w < scene->wall_count; w++) {
         free(scene->walls[w].near);
-        free(scene->walls[w].history[RK_HISTORY_FT]);
-        free(scene->walls[w].history[RK_HISTORY_MOMENT]);
+        for (size_t h = 0; h < RK_HISTORIES; h++) {
+            free(scene->walls[w].history[h]);
+        }
     }
     free(scene->walls);
 }
