@@ -14,9 +14,18 @@ struct gear_component {
 };
 
 /* The empty lanes behind the last grain must not enter the bounds: they repeat its move. */
+static __attribute__((noinline)) void gear_repeat(double move[LANES], size_t count) {
+    for (size_t l = count; l < LANES; l++) {
+        move[l] = move[count - 1];
+    }
+}
+
 static inline lanes gear_only(lanes move, size_t first, size_t count) {
-    for (size_t l = count - first; l < LANES; l++) {
-        move[l] = move[count - first - 1];
+    if (__builtin_expect(count - first < LANES, 0)) { /* the last vector: kept out of the loop */
+        double each[LANES];
+        lanes_store(each, move);
+        gear_repeat(each, count - first);
+        return lanes_load(each);
     }
     return move;
 }

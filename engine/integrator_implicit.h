@@ -56,14 +56,8 @@ static void implicit_ease(struct rk_grains *grains, const struct rk_touching *to
         *(quad *)(spread + RK_FORCE_WIDTH * (size_t)walls->grain[c]) += share;
     }
     for (size_t i = 0; i < grains->count; i += LANES) {
-        lanes trace = lanes_all(0), c2 = trace, s2 = trace;
-        size_t end = grains->count - i < LANES ? grains->count - i : LANES;
-        for (size_t l = 0; l < end; l++) {
-            const double *row = spread + RK_FORCE_WIDTH * (i + l);
-            trace[l] = row[0];
-            c2[l] = row[1];
-            s2[l] = row[2];
-        }
+        lanes trace, c2, s2;
+        lanes_load_rows(spread + RK_FORCE_WIDTH * i, &trace, &c2, &s2);
         lanes largest = 0.5 * (trace + lanes_root(c2 * c2 + s2 * s2));
         lanes_store(grains->ease + i,
                     lanes_larger(largest, lanes_all(1)) * lanes_load(grains->inverse_mass + i));

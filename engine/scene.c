@@ -89,7 +89,7 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     bool eased = true;
     if (scene->has[RK_IF_IMPLICIT]) {
         scene->grains.ease = rk_array_create(n + LANES, sizeof(double));
-        scene->grains.spread = rk_array_create(n, RK_FORCE_WIDTH * sizeof(double));
+        scene->grains.spread = rk_array_create(n + LANES, RK_FORCE_WIDTH * sizeof(double));
         eased = scene->grains.ease && scene->grains.spread;
     }
     near->cell_of = rk_array_create(n, sizeof(uint32_t));

@@ -2,6 +2,7 @@
  *
  *     bench_engine [--grains N] [--width W] [--walls] [--smooth] [--warm STEPS] [--steps STEPS]
  *                  [--repeat N] [--skin S] [--kernel NAME] [--integrator NAME]
+ *                  [--settle-step SHARE]
  *
  * Settles the bed, shakes it for --warm steps, then times --steps steps by CPU time, --repeat
  * times, and prints the median. The defaults are the periodic scene of Martins 2021 (2500 grains,
@@ -65,6 +66,8 @@ static struct options read_options(int argc, char **argv) {
                 fprintf(stderr, "bench_engine: there is no integrator %s\n", value);
                 exit(2);
             }
+        } else if (strcmp(argv[i], "--settle-step") == 0) {
+            o.bne.settle.step = strtod(value, NULL), i++;
         } else if (strcmp(argv[i], "--kernel") == 0) {
             o.kernel = value, i++;
         } else {
