@@ -38,7 +38,8 @@ static struct rk_scene_spec ordinary(size_t grains, size_t walls) {
 /* Damping and a time step at the given share of the largest stable one. */
 static void complete(struct rk_scene_spec *spec, double share) {
     spec->gamma = rk_contact_gamma(&spec->contact, spec->smallest);
-    spec->dt = share * rk_stable_step(&spec->contact, spec->gamma, spec->smallest);
+    spec->dt = share * rk_stable_step(spec->accuracy.integrator, &spec->contact, spec->gamma,
+                                      spec->smallest);
 }
 
 static struct rk_scene *scene_of(const struct rk_scene_spec *spec) {
