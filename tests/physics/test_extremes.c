@@ -145,7 +145,7 @@ static void size_ratios_of_1_to_50(void **state) {
         }
         add_grain(scene, (struct rk_grain){
                              .x = width / 2, .y = 2.1 + big, .radius = big, .mass = big * big});
-        for (int rest = 0; rest < 60; rest++) {
+        for (int rest = 0; rest < 150; rest++) {
             must_run(scene, (uint64_t)(1 / spec.dt));
             rk_scene_slow_down(scene, 0.5);
         }
