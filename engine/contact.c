@@ -1,5 +1,7 @@
 #include "engine/contact.h"
 
+#include "engine/integrator.h"
+
 #include <math.h>
 #include <stddef.h>
 
@@ -169,6 +171,8 @@ void rk_contact_law_init(struct rk_contact_law *law, const struct rk_scene_spec 
     law->normal = ((const struct rk_normal_law *)spec->contact.law)->normal;
     law->tangent = ((const struct rk_friction *)spec->contact.friction)->tangent;
     law->rolls = spec->contact.rolling == &rk_rolling_spring;
+    law->implicit = rk_integrator_of(spec->accuracy.integrator)->implicit;
+    law->half_dt = 0.5 * dt;
     law->materials = count;
     law->least = spec->contact.tension == &rk_tension_keep ? -INFINITY : 0;
     for (size_t a = 0; a < count; a++) {

@@ -56,6 +56,8 @@ struct rk_contact_law {
     enum rk_normal normal;
     enum rk_tangent tangent;
     bool rolls;
+    bool implicit;  /* normal forces are relaxed: engine/integrator_implicit.h */
+    double half_dt; /* for that */
     size_t materials;
     double least; /* the smallest normal force: 0 (tension cut) or -infinity (kept) */
     struct rk_coefficients of[RK_MATERIALS_MAX * RK_MATERIALS_MAX]; /* [one][other] */

@@ -28,15 +28,16 @@
 
 /* ---- Pieces that can be chosen by name -------------------------------------------------- */
 
-extern const struct rk_registry rk_law_registry;       /* linear, mass-damped, viscoelastic */
-extern const struct rk_registry rk_friction_registry;  /* none, cundall-strack, haff-werner */
-extern const struct rk_registry rk_rolling_registry;   /* none, spring */
-extern const struct rk_registry rk_tension_registry;   /* cut, keep */
-extern const struct rk_registry rk_drive_registry;     /* rest, sinusoid, ..., press */
-extern const struct rk_registry rk_shape_registry;     /* line, segment, arc, polygon */
-extern const struct rk_registry rk_neighbour_registry; /* cells, verlet, all-pairs */
-extern const struct rk_registry rk_kernel_registry;    /* portable, avx2, avx512 */
-extern const struct rk_registry rk_probe_registry;     /* intruder, plate, bed, energy */
+extern const struct rk_registry rk_law_registry;        /* linear, mass-damped, viscoelastic */
+extern const struct rk_registry rk_friction_registry;   /* none, cundall-strack, haff-werner */
+extern const struct rk_registry rk_rolling_registry;    /* none, spring */
+extern const struct rk_registry rk_tension_registry;    /* cut, keep */
+extern const struct rk_registry rk_drive_registry;      /* rest, sinusoid, ..., press */
+extern const struct rk_registry rk_shape_registry;      /* line, segment, arc, polygon */
+extern const struct rk_registry rk_integrator_registry; /* verlet, verlet-implicit, gear5 */
+extern const struct rk_registry rk_neighbour_registry;  /* cells, verlet, all-pairs */
+extern const struct rk_registry rk_kernel_registry;     /* portable, avx2, avx512 */
+extern const struct rk_registry rk_probe_registry;      /* intruder, plate, bed, energy */
 
 /* ---- What a scene is made of ------------------------------------------------------------- */
 
@@ -58,13 +59,15 @@ struct rk_contact_spec {
 enum { RK_CONTACT_PARAMS = 13 };
 extern const struct rk_param rk_contact_params[RK_CONTACT_PARAMS];
 
-/* The time step and how neighbours are found: what it costs and how exact it is. */
+/* The time step, how it is taken and how neighbours are found: what it costs and how exact it is.
+ */
 struct rk_accuracy_spec {
     double step; /* dt / sqrt(m/kn), at most, m of a mean grain; "zeta_t" of Martins 2021 */
-    const struct rk_piece *neighbour; /* out of rk_neighbour_registry */
-    double skin;                      /* extra reach of the neighbour list [d] */
+    const struct rk_piece *integrator; /* out of rk_integrator_registry; NULL: verlet */
+    const struct rk_piece *neighbour;  /* out of rk_neighbour_registry */
+    double skin;                       /* extra reach of the neighbour list [d] */
 };
-enum { RK_ACCURACY_PARAMS = 3 };
+enum { RK_ACCURACY_PARAMS = 4 };
 extern const struct rk_param rk_accuracy_params[RK_ACCURACY_PARAMS];
 
 /* When a run counts as nonsense. */
@@ -171,12 +174,16 @@ struct rk_material rk_contact_material(const struct rk_contact_spec *contact, do
  * smallest grains; for the mass-damped law divided by their reduced mass. */
 double rk_contact_gamma(const struct rk_contact_spec *contact, double smallest);
 
-/* The largest time step for which velocity Verlet with the dashpot at the predicted velocity is
- * stable for a grain of mass `smallest` in a triangular packing of its like (w^2 = 6 kn/m, damping
- * likewise; with friction w^2 = 24 kt/m of turning; physics of section "Integrators" in the
- * README). A light grain that touches more than six others may need a shorter one. */
-double rk_verlet_limit(double zeta); /* largest stable w0 dt of one contact of that damping */
-double rk_stable_step(const struct rk_contact_spec *contact, double gamma, double smallest);
+/* The largest w0 dt for which an integrator (NULL: verlet) is stable on one contact of damping
+ * zeta, x'' = -w0^2 x - 2 zeta w0 x', from the eigenvalues of its map; at most 2. */
+double rk_integrator_limit(const struct rk_piece *integrator, double zeta);
+
+/* The largest time step for which it is stable for a grain of mass `smallest` in a triangular
+ * packing of its like (w^2 = 6 kn/m, damping likewise; with friction w^2 = 24 kt/m of turning;
+ * section "Integrators" in the README). A light grain that touches more than six others may need a
+ * shorter one. */
+double rk_stable_step(const struct rk_piece *integrator, const struct rk_contact_spec *contact,
+                      double gamma, double smallest);
 
 /* ---- Life of a scene --------------------------------------------------------------------- */
 

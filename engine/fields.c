@@ -17,6 +17,12 @@ static const struct rk_field grain_rows[] = {
     {"radius", RK_FIELD_F64, GRAIN(radius), RK_ALWAYS, "radius"},
     {"mass", RK_FIELD_F64, GRAIN(mass), RK_ALWAYS, "mass"},
     {"inverse_mass", RK_FIELD_F64, GRAIN(inverse_mass), RK_ALWAYS, "1/mass, 0 if held"},
+    {"jx", RK_FIELD_F64, GRAIN(jx), RK_IF_DERIVED, "third derivative of x"},
+    {"jy", RK_FIELD_F64, GRAIN(jy), RK_IF_DERIVED, "third derivative of y"},
+    {"sx", RK_FIELD_F64, GRAIN(sx), RK_IF_DERIVED, "fourth derivative of x"},
+    {"sy", RK_FIELD_F64, GRAIN(sy), RK_IF_DERIVED, "fourth derivative of y"},
+    {"jerk", RK_FIELD_F64, GRAIN(jerk), RK_IF_DERIVED_TURN, "third derivative of the angle"},
+    {"snap", RK_FIELD_F64, GRAIN(snap), RK_IF_DERIVED_TURN, "fourth derivative of the angle"},
     {"tag", RK_FIELD_U32, GRAIN(tag), RK_ALWAYS, "the grain's number for life"},
     {"material", RK_FIELD_U32, GRAIN(material), RK_IF_MIXED, "number of its material"},
     {"angle", RK_FIELD_F64, GRAIN(angle), RK_IF_ROTATES, "angle"},
@@ -35,6 +41,7 @@ static const struct rk_field contact_rows[] = {
     {"second", RK_FIELD_U32, TOUCHING(second), RK_IF_REMEMBERS, "the grain later in the order"},
     {"ft", RK_FIELD_F64, TOUCHING(history[RK_HISTORY_FT]), RK_IF_REMEMBERS, "tangential force"},
     {"moment", RK_FIELD_F64, TOUCHING(history[RK_HISTORY_MOMENT]), RK_IF_ROLLS, "rolling moment"},
+    {"fn", RK_FIELD_F64, TOUCHING(history[RK_HISTORY_FN]), RK_IF_IMPLICIT, "normal force"},
 };
 const struct rk_field_set rk_contact_fields = {"contacts", contact_rows,
                                                sizeof contact_rows / sizeof *contact_rows,
@@ -48,6 +55,7 @@ static const struct rk_field wall_contact_rows[] = {
     {"ft", RK_FIELD_F64, WALL_TOUCHING(history[RK_HISTORY_FT]), RK_ALWAYS, "tangential force"},
     {"moment", RK_FIELD_F64, WALL_TOUCHING(history[RK_HISTORY_MOMENT]), RK_ALWAYS,
      "rolling moment"},
+    {"fn", RK_FIELD_F64, WALL_TOUCHING(history[RK_HISTORY_FN]), RK_IF_IMPLICIT, "normal force"},
 };
 const struct rk_field_set rk_wall_contact_fields = {
     "wall contacts", wall_contact_rows, sizeof wall_contact_rows / sizeof *wall_contact_rows,

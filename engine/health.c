@@ -1,6 +1,7 @@
 #include "engine/health.h"
 
 #include "engine/contact.h"
+#include "engine/integrator.h"
 #include "engine/walls.h"
 
 #include <math.h>
@@ -36,44 +37,7 @@ const struct rk_param rk_health_params[RK_HEALTH_PARAMS] = {
 };
 #undef AT
 
-/* ---- The stability limit of the integrator -------------------------------------------------- */
-
-/* Velocity Verlet with the dashpot at the predicted velocity, for x'' = -x - 2 zeta x', maps
- * (x, v, a) by
- *     x' = x + h v + h^2/2 a
- *     a' = -x' - b (v + h a)                                      b = 2 zeta
- *     v' = v + h/2 (a + a')
- * Schur and Cohn's conditions on the characteristic polynomial z^3 + p z^2 + q z + r say whether
- * all eigenvalues lie in the unit circle. */
-static bool stable(double h, double b) {
-    const double slack = 1e-12; /* without damping the eigenvalues lie on the circle */
-    double m[3][3] = {{1, h, h * h / 2}, {0, 0, 0}, {-1, -h - b, -h * h / 2 - b * h}};
-    for (int k = 0; k < 3; k++) {
-        m[1][k] = (k == 1) + (k == 2 ? h / 2 : 0) + h / 2 * m[2][k];
-    }
-    double p = -(m[0][0] + m[1][1] + m[2][2]);
-    double q = m[0][0] * m[1][1] - m[0][1] * m[1][0] + m[0][0] * m[2][2] - m[0][2] * m[2][0] +
-               m[1][1] * m[2][2] - m[1][2] * m[2][1];
-    double r = -(m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
-                 m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
-                 m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]));
-    return 1 + p + q + r > -slack && 1 - p + q - r > -slack && fabs(r) < 1 + slack &&
-           fabs(q - p * r) < 1 - r * r + slack;
-}
-
-double rk_verlet_limit(double zeta) {
-    const double stride = 1e-3;
-    double good = 0;
-    while (good < 2 && stable(good + stride, 2 * zeta)) {
-        good += stride;
-    }
-    double bad = good + stride;
-    for (int halving = 0; halving < 40; halving++) {
-        double middle = (good + bad) / 2;
-        *(stable(middle, 2 * zeta) ? &good : &bad) = middle;
-    }
-    return good;
-}
+/* ---- The largest stable step ---------------------------------------------------------------- */
 
 /* Stiffness and dashpot of one contact of two of the smallest grains. The viscoelastic law is
  * stiffer the deeper: an overlap of a tenth of the radius, which no good run exceeds, stands for
@@ -94,26 +58,28 @@ static void stiffest(const struct rk_contact_spec *contact, double gamma, double
 
 /* With friction there is a motion that may be faster: all turn the same way, and at six contacts
  * the slip is twice R omega, so that omega'' = -24 kt/m omega or omega' = -24 gamma_t/m omega.
- *     Cundall-Strack: f' = f - kt h (v + h f/m), v' = v + h (f + f')/(2 m): determinant
- *     1 - k/2 and trace 2 - 3 k/2 with k = (w h)^2, in the unit circle while k < 2.
- *     Haff-Werner: a' = -b (v + h a), v' = v + h (a + a')/2: while b h < 1. */
-static double turning_limit(const struct rk_contact_spec *contact, double smallest) {
+ * The integrators say how far each may go: `slip_spring` bounds (w h)^2, `slip_dashpot` b h. */
+static double turning_limit(const struct rk_integrator *integrator,
+                            const struct rk_contact_spec *contact, double smallest) {
     if (contact->friction == &rk_friction_cundall_strack.piece && contact->mu > 0) {
-        return sqrt(2 * smallest / (24 * contact->kt));
+        return sqrt(integrator->slip_spring * smallest / (24 * contact->kt));
     }
     if (contact->friction == &rk_friction_haff_werner.piece && contact->mu > 0) {
-        return smallest / (24 * contact->gamma_t);
+        return integrator->slip_dashpot * smallest / (24 * contact->gamma_t);
     }
     return INFINITY;
 }
 
-double rk_stable_step(const struct rk_contact_spec *contact, double gamma, double smallest) {
+double rk_stable_step(const struct rk_piece *piece, const struct rk_contact_spec *contact,
+                      double gamma, double smallest) {
+    const struct rk_integrator *integrator = rk_integrator_of(piece);
     double stiffness, dashpot;
     stiffest(contact, gamma, smallest, &stiffness, &dashpot);
     /* The stiffest motion of a grain among six alike: springs and dashpots add up to 6 of each. */
     double w = sqrt(6 * stiffness / smallest);
     double zeta = 6 * dashpot / smallest / (2 * w);
-    double limit = rk_verlet_limit(zeta) / w, turning = turning_limit(contact, smallest);
+    double limit = integrator->crowd * rk_integrator_limit(piece, zeta) / w;
+    double turning = turning_limit(integrator, contact, smallest);
     return limit < turning ? limit : turning;
 }
 
@@ -122,12 +88,13 @@ double rk_stable_step(const struct rk_contact_spec *contact, double gamma, doubl
 static enum rk_status nonsense(const struct rk_scene *scene, size_t i, struct rk_error *err,
                                const char *what, double value, double limit) {
     const struct rk_scene_spec *spec = &scene->spec;
-    return rk_fail(err, RK_EUNSTABLE,
-                   "at t = %.6g (step %llu) grain %u at (%.6g, %.6g) %s: %.4g, the limit is %.4g; "
-                   "dt is %.4g, the largest stable dt is %.4g",
-                   rk_scene_time(scene), (unsigned long long)scene->steps, scene->grains.tag[i],
-                   scene->grains.x[i], scene->grains.y[i], what, value, limit, spec->dt,
-                   rk_stable_step(&spec->contact, spec->gamma, spec->smallest));
+    return rk_fail(
+        err, RK_EUNSTABLE,
+        "at t = %.6g (step %llu) grain %u at (%.6g, %.6g) %s: %.4g, the limit is %.4g; "
+        "dt is %.4g, the largest stable dt is %.4g",
+        rk_scene_time(scene), (unsigned long long)scene->steps, scene->grains.tag[i],
+        scene->grains.x[i], scene->grains.y[i], what, value, limit, spec->dt,
+        rk_stable_step(spec->accuracy.integrator, &spec->contact, spec->gamma, spec->smallest));
 }
 
 static enum rk_status check_sides(const struct rk_scene *scene, size_t i, struct rk_error *err) {
@@ -141,13 +108,13 @@ static enum rk_status check_sides(const struct rk_scene *scene, size_t i, struct
                             depth, 0);
         }
         if (wall->spec.encloses && !rk_wall_encloses(wall, g->x[i], g->y[i])) {
-            return rk_fail(
-                err, RK_EUNSTABLE,
-                "at t = %.6g (step %llu) grain %u at (%.6g, %.6g) has left wall %zu, "
-                "which encloses the grains; dt is %.4g, the largest stable dt is %.4g",
-                rk_scene_time(scene), (unsigned long long)scene->steps, g->tag[i], g->x[i], g->y[i],
-                w, scene->spec.dt,
-                rk_stable_step(&scene->spec.contact, scene->spec.gamma, scene->spec.smallest));
+            return rk_fail(err, RK_EUNSTABLE,
+                           "at t = %.6g (step %llu) grain %u at (%.6g, %.6g) has left wall %zu, "
+                           "which encloses the grains; dt is %.4g, the largest stable dt is %.4g",
+                           rk_scene_time(scene), (unsigned long long)scene->steps, g->tag[i],
+                           g->x[i], g->y[i], w, scene->spec.dt,
+                           rk_stable_step(scene->spec.accuracy.integrator, &scene->spec.contact,
+                                          scene->spec.gamma, scene->spec.smallest));
         }
     }
     return RK_OK;

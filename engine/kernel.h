@@ -1,6 +1,7 @@
 /* The hot loops of a step, once per vector width.
  *
- * Velocity Verlet in predictor-corrector form (Martins 2021, eq. 11):
+ * One predictor and one corrector for each scheme of engine/integrator.h. The first is velocity
+ * Verlet in predictor-corrector form (Martins 2021, eq. 11):
  *     predict   r <- r + v dt + a dt^2/2,  v <- v + a dt
  *     force     a' from r and the predicted v: one evaluation a step
  *     correct   v <- v + (a' - a) dt/2,  a <- a'
@@ -13,6 +14,7 @@
 #define RK_ENGINE_KERNEL_H
 
 #include "engine/contact.h"
+#include "engine/integrator.h"
 #include "engine/scene.h"
 
 typedef void rk_push(struct rk_grains *grains, const struct rk_contact_law *law,
@@ -26,8 +28,8 @@ struct rk_kernel {
 
     /* Predict grains begin to end (begin a multiple of LANES); `moved` gets the bounds of this
      * step's moves. */
-    void (*predict)(struct rk_grains *grains, size_t begin, size_t end, double dt,
-                    struct rk_bounds *moved);
+    void (*predict[RK_SCHEMES])(struct rk_grains *grains, size_t begin, size_t end, double dt,
+                                struct rk_bounds *moved);
 
     /* Which pairs touch. The histories of the pairs move to the touching ones. */
     void (*touch)(const struct rk_grains *grains, struct rk_pairs *pairs, size_t begin, size_t end,
@@ -36,9 +38,19 @@ struct rk_kernel {
     /* grains->force: the weights of the grains, to which the contacts are added. */
     void (*weigh)(struct rk_grains *grains, size_t begin, size_t end, const double gravity[2]);
 
+    /* For an implicit integrator, before push, of the grains begin to end: sums over the pairs that
+     * touch now, after `note` for several threads, first those of other threads' contacts, then a
+     * thread's own; then the walls that touched a step ago, and grains->ease. */
+    void (*note)(struct rk_touching *touching);
+    void (*spread_crossing)(struct rk_grains *grains, const struct rk_touching *touching,
+                            size_t begin, size_t end);
+    void (*spread_own)(struct rk_grains *grains, const struct rk_touching *touching);
+    void (*ease)(struct rk_grains *grains, const struct rk_wall_touching *walls, size_t begin,
+                 size_t end);
+
     /* Forces of the touching pairs, added to grains->force in their order; for several threads
      * (touching->crossing is not NULL) left in touching->force, to be given afterwards: */
-    rk_push *push[RK_NORMALS][RK_TANGENTS][2][2]; /* [normal][tangent][rolls][mixed] */
+    rk_push *push[2][RK_NORMALS][RK_TANGENTS][2][2]; /* [implicit][normal][tangent][rolls][mixed] */
 
     /* ... first those of other threads' contacts whose second grain is begin to end, then a
      * thread's own to its own grains. */
@@ -47,10 +59,12 @@ struct rk_kernel {
     void (*give_own)(struct rk_grains *grains, const struct rk_touching *touching);
 
     /* Forces of the touching walls, left in touching->force. */
-    rk_press *press[RK_NORMALS][RK_TANGENTS][2][2];
+    rk_press *press[2][RK_NORMALS][RK_TANGENTS][2][2];
 
-    /* Correct grains begin to end with grains->force. */
-    void (*correct)(struct rk_grains *grains, size_t begin, size_t end, double dt);
+    /* Correct grains begin to end with grains->force; `moved` gets the bounds of how this moves
+     * them, 0 if not at all. */
+    void (*correct[RK_SCHEMES])(struct rk_grains *grains, size_t begin, size_t end, double dt,
+                                struct rk_bounds *moved);
 };
 
 extern const struct rk_kernel rk_kernel_portable, rk_kernel_avx2, rk_kernel_avx512;

@@ -2,6 +2,7 @@
  * The including file defines KERNEL_NAME, KERNEL_DOC, KERNEL_TABLE and KERNEL_USABLE. */
 #include "engine/friction_cundall_strack.h"
 #include "engine/friction_haff_werner.h"
+#include "engine/integrator_implicit.h"
 #include "engine/kernel.h"
 #include "engine/lanes.h"
 #include "engine/law_linear.h"
@@ -53,6 +54,15 @@ static void pad(struct rk_grains *grains) {
     }
 }
 
+static inline void set_bounds(struct rk_bounds *moved, const struct span *x, const struct span *y) {
+    moved->low[0] = least_of(x->least);
+    moved->low[1] = least_of(y->least);
+    moved->high[0] = -least_of(-x->most);
+    moved->high[1] = -least_of(-y->most);
+}
+
+#include "engine/integrator_gear5.h"
+
 static void predict(struct rk_grains *grains, size_t begin, size_t end, double dt,
                     struct rk_bounds *moved) {
     const double half_dt2 = 0.5 * dt * dt;
@@ -68,13 +78,12 @@ static void predict(struct rk_grains *grains, size_t begin, size_t end, double d
                           &turn);
         }
     }
-    moved->low[0] = least_of(x.least);
-    moved->low[1] = least_of(y.least);
-    moved->high[0] = -least_of(-x.most);
-    moved->high[1] = -least_of(-y.most);
+    set_bounds(moved, &x, &y);
 }
 
-static void correct(struct rk_grains *grains, size_t begin, size_t end, double dt) {
+static void correct(struct rk_grains *grains, size_t begin, size_t end, double dt,
+                    struct rk_bounds *moved) {
+    *moved = (struct rk_bounds){{0, 0}, {0, 0}};
     const double half = 0.5 * dt;
     for (size_t i = begin; i < end; i += LANES) {
         lanes fx, fy, torque;
@@ -195,6 +204,11 @@ static inline void note_crossing(struct rk_touching *touching, size_t c, size_t 
     }
 }
 
+static void implicit_note(struct rk_touching *touching) {
+    touching->crossings = 0;
+    note_crossing(touching, 0, touching->count);
+}
+
 static void give_own(struct rk_grains *grains, const struct rk_touching *touching) {
     for (size_t c = 0; c < touching->count; c++) {
         give_first(grains->force, touching, c);
@@ -243,6 +257,7 @@ struct flavour {
     enum rk_normal normal;
     enum rk_tangent tangent;
     bool rolls, mixed;
+    bool implicit;
 };
 
 /* Eight contacts, of pairs or at walls: what the laws of engine/contact.h are functions of. */
@@ -250,6 +265,7 @@ struct meeting {
     lanes overlap, rate, slip, spin;
     lanes reduced_radius, reduced_mass;
     lanes rough; /* 0 at a smooth wall */
+    lanes ease;  /* implicit: of the two grains together */
 };
 
 struct answer {
@@ -260,17 +276,26 @@ struct answer {
     (f.mixed ? lanes_gather(&law->of[0].member, index) : lanes_all(law->of[0].member))
 
 static INLINE struct answer resist(const struct flavour f, const struct rk_contact_law *law,
-                                   const uint32_t *index, const struct meeting *m, lanes ft,
-                                   lanes moment) {
+                                   const uint32_t *index, const struct meeting *m, lanes fn,
+                                   lanes ft, lanes moment) {
     struct answer a = {lanes_all(0), ft, moment};
+    lanes dashpot = a.fn;
     if (f.normal == RK_LINEAR) {
         a.fn = law_linear(m->overlap, m->rate, COEFFICIENT(kn), COEFFICIENT(gamma));
+        dashpot = f.implicit ? COEFFICIENT(gamma) : dashpot;
     } else if (f.normal == RK_MASS_DAMPED) {
         a.fn = law_mass_damped(m->overlap, m->rate, m->reduced_mass, COEFFICIENT(kn),
                                COEFFICIENT(gamma));
+        dashpot = f.implicit ? COEFFICIENT(gamma) * m->reduced_mass : dashpot;
     } else {
         a.fn = law_viscoelastic(m->overlap, m->rate, m->reduced_radius, COEFFICIENT(young),
                                 COEFFICIENT(loss));
+        dashpot = f.implicit ? COEFFICIENT(young) * COEFFICIENT(loss) *
+                                   lanes_root(m->reduced_radius * m->overlap)
+                             : dashpot;
+    }
+    if (f.implicit) {
+        a.fn = implicit_relax(a.fn, fn, law->half_dt * dashpot * m->ease);
     }
     a.fn = lanes_larger(a.fn, lanes_all(law->least));
     if (f.tangent == RK_CUNDALL_STRACK) {
@@ -317,7 +342,7 @@ static INLINE void push(const struct flavour f, struct rk_grains *grains,
         lanes ny = lanes_load(touching->dy + c) * inverse;
         lanes ux = lanes_gather(grains->vx, j) - lanes_gather(grains->vx, i);
         lanes uy = lanes_gather(grains->vy, j) - lanes_gather(grains->vy, i);
-        lanes arm_i = none, arm_j = none, ft = none, moment = none;
+        lanes arm_i = none, arm_j = none, fn = none, ft = none, moment = none;
         m.overlap = reach - distance;
         m.rate = -(ux * nx + uy * ny);
         if (f.normal == RK_MASS_DAMPED) {
@@ -338,13 +363,17 @@ static INLINE void push(const struct flavour f, struct rk_grains *grains,
         if (f.mixed) {
             mix(law, grains->material, i, j, index);
         }
+        if (f.implicit) {
+            m.ease = lanes_gather(grains->ease, i) + lanes_gather(grains->ease, j);
+            fn = lanes_load(touching->history[RK_HISTORY_FN] + c);
+        }
         if (f.tangent == RK_CUNDALL_STRACK) {
             ft = lanes_load(touching->history[RK_HISTORY_FT] + c);
         }
         if (f.rolls) {
             moment = lanes_load(touching->history[RK_HISTORY_MOMENT] + c);
         }
-        struct answer a = resist(f, law, index, &m, ft, moment);
+        struct answer a = resist(f, law, index, &m, fn, ft, moment);
         lanes turn_i = -(arm_i * a.ft), turn_j = -(arm_j * a.ft);
         if (f.rolls) {
             turn_i -= a.moment;
@@ -353,6 +382,9 @@ static INLINE void push(const struct flavour f, struct rk_grains *grains,
         }
         if (f.tangent == RK_CUNDALL_STRACK) {
             lanes_store(touching->history[RK_HISTORY_FT] + c, a.ft);
+        }
+        if (f.implicit) {
+            lanes_store(touching->history[RK_HISTORY_FN] + c, a.fn);
         }
         lanes fx = a.fn * nx, fy = a.fn * ny;
         if (rotates) {
@@ -370,6 +402,10 @@ static INLINE void push(const struct flavour f, struct rk_grains *grains,
             if (f.tangent == RK_CUNDALL_STRACK || f.rolls) {
                 pairs->history[RK_HISTORY_FT][touching->pair[k]] =
                     touching->history[RK_HISTORY_FT][k];
+            }
+            if (f.implicit) {
+                pairs->history[RK_HISTORY_FN][touching->pair[k]] =
+                    touching->history[RK_HISTORY_FN][k];
             }
             if (f.rolls) {
                 pairs->history[RK_HISTORY_MOMENT][touching->pair[k]] =
@@ -391,7 +427,7 @@ static INLINE void press(const struct flavour f, struct rk_grains *grains,
         lanes nx = lanes_load(touching->nx + c), ny = lanes_load(touching->ny + c);
         lanes ux = lanes_load(touching->vx + c) - lanes_gather(grains->vx, i);
         lanes uy = lanes_load(touching->vy + c) - lanes_gather(grains->vy, i);
-        lanes radius = lanes_gather(grains->radius, i), ft = none, moment = none;
+        lanes radius = lanes_gather(grains->radius, i), fn = none, ft = none, moment = none;
         m.overlap = lanes_load(touching->overlap + c);
         m.rate = -(ux * nx + uy * ny);
         m.reduced_radius = radius;
@@ -403,6 +439,10 @@ static INLINE void press(const struct flavour f, struct rk_grains *grains,
             ft = lanes_load(touching->history[RK_HISTORY_FT] + c);
             moment = lanes_load(touching->history[RK_HISTORY_MOMENT] + c);
         }
+        if (f.implicit) {
+            m.ease = lanes_gather(grains->ease, i);
+            fn = lanes_load(touching->history[RK_HISTORY_FN] + c);
+        }
         if (f.mixed) {
             for (int l = 0; l < LANES; l++) {
                 index[l] = (uint32_t)((grains->material[i[l]] * law->materials +
@@ -410,7 +450,7 @@ static INLINE void press(const struct flavour f, struct rk_grains *grains,
                                       (uint32_t)RK_COEFFICIENTS);
             }
         }
-        struct answer a = resist(f, law, index, &m, ft, moment);
+        struct answer a = resist(f, law, index, &m, fn, ft, moment);
         lanes fx = a.fn * nx, fy = a.fn * ny, turn = none;
         if (rotates) {
             fx -= a.ft * ny;
@@ -421,6 +461,9 @@ static INLINE void press(const struct flavour f, struct rk_grains *grains,
             turn -= a.moment;
         }
         lanes_store(touching->fn + c, a.fn);
+        if (f.implicit) {
+            lanes_store(touching->history[RK_HISTORY_FN] + c, a.fn);
+        }
         lanes_store(touching->history[RK_HISTORY_FT] + c, a.ft);
         lanes_store(touching->history[RK_HISTORY_MOMENT] + c, a.moment);
         lanes_store_rows(touching->force + RK_FORCE_WIDTH * c, fx, fy, turn, none);
@@ -428,29 +471,32 @@ static INLINE void press(const struct flavour f, struct rk_grains *grains,
 }
 
 /* Every flavour there is, by name. Rolling needs friction, for without it nothing turns. */
-#define FLAVOUR(name, n, t, r, x)                                                                  \
+#define FLAVOUR(name, n, t, r, x, e)                                                               \
     static void push_##name(struct rk_grains *grains, const struct rk_contact_law *law,            \
                             struct rk_pairs *pairs, struct rk_touching *touching) {                \
-        push((struct flavour){n, t, r, x}, grains, law, pairs, touching);                          \
+        push((struct flavour){n, t, r, x, e}, grains, law, pairs, touching);                       \
     }                                                                                              \
     static void press_##name(struct rk_grains *grains, const struct rk_contact_law *law,           \
                              struct rk_wall_touching *touching) {                                  \
-        press((struct flavour){n, t, r, x}, grains, law, touching);                                \
+        press((struct flavour){n, t, r, x, e}, grains, law, touching);                             \
     }
-#define FLAVOURS_OF(tag, n)                                                                        \
-    FLAVOUR(tag##_smooth, n, RK_SMOOTH, false, false)                                              \
-    FLAVOUR(tag##_smooth_mixed, n, RK_SMOOTH, false, true)                                         \
-    FLAVOUR(tag##_cs, n, RK_CUNDALL_STRACK, false, false)                                          \
-    FLAVOUR(tag##_cs_mixed, n, RK_CUNDALL_STRACK, false, true)                                     \
-    FLAVOUR(tag##_cs_rolls, n, RK_CUNDALL_STRACK, true, false)                                     \
-    FLAVOUR(tag##_cs_rolls_mixed, n, RK_CUNDALL_STRACK, true, true)                                \
-    FLAVOUR(tag##_hw, n, RK_HAFF_WERNER, false, false)                                             \
-    FLAVOUR(tag##_hw_mixed, n, RK_HAFF_WERNER, false, true)                                        \
-    FLAVOUR(tag##_hw_rolls, n, RK_HAFF_WERNER, true, false)                                        \
-    FLAVOUR(tag##_hw_rolls_mixed, n, RK_HAFF_WERNER, true, true)
-FLAVOURS_OF(linear, RK_LINEAR)
-FLAVOURS_OF(mass_damped, RK_MASS_DAMPED)
-FLAVOURS_OF(viscoelastic, RK_VISCOELASTIC)
+#define FLAVOURS_OF(tag, n, e)                                                                     \
+    FLAVOUR(tag##_smooth, n, RK_SMOOTH, false, false, e)                                           \
+    FLAVOUR(tag##_smooth_mixed, n, RK_SMOOTH, false, true, e)                                      \
+    FLAVOUR(tag##_cs, n, RK_CUNDALL_STRACK, false, false, e)                                       \
+    FLAVOUR(tag##_cs_mixed, n, RK_CUNDALL_STRACK, false, true, e)                                  \
+    FLAVOUR(tag##_cs_rolls, n, RK_CUNDALL_STRACK, true, false, e)                                  \
+    FLAVOUR(tag##_cs_rolls_mixed, n, RK_CUNDALL_STRACK, true, true, e)                             \
+    FLAVOUR(tag##_hw, n, RK_HAFF_WERNER, false, false, e)                                          \
+    FLAVOUR(tag##_hw_mixed, n, RK_HAFF_WERNER, false, true, e)                                     \
+    FLAVOUR(tag##_hw_rolls, n, RK_HAFF_WERNER, true, false, e)                                     \
+    FLAVOUR(tag##_hw_rolls_mixed, n, RK_HAFF_WERNER, true, true, e)
+FLAVOURS_OF(linear, RK_LINEAR, false)
+FLAVOURS_OF(linear_implicit, RK_LINEAR, true)
+FLAVOURS_OF(mass_damped, RK_MASS_DAMPED, false)
+FLAVOURS_OF(mass_damped_implicit, RK_MASS_DAMPED, true)
+FLAVOURS_OF(viscoelastic, RK_VISCOELASTIC, false)
+FLAVOURS_OF(viscoelastic_implicit, RK_VISCOELASTIC, true)
 
 /* [tangent][rolls][mixed] of one normal law. */
 #define TABLE_OF(pass, tag)                                                                        \
@@ -465,12 +511,21 @@ FLAVOURS_OF(viscoelastic, RK_VISCOELASTIC)
 const struct rk_kernel KERNEL_TABLE = {
     .piece = {KERNEL_NAME, KERNEL_DOC},
     .usable = KERNEL_USABLE,
-    .predict = predict,
+    .predict = {[RK_SCHEME_VERLET] = predict, [RK_SCHEME_GEAR5] = gear_predict},
     .touch = touch,
     .weigh = weigh,
+    .note = implicit_note,
+    .spread_crossing = implicit_spread_crossing,
+    .spread_own = implicit_spread_own,
+    .ease = implicit_ease,
     .give_own = give_own,
     .give_crossing = give_crossing,
-    .push = {TABLE_OF(push, linear), TABLE_OF(push, mass_damped), TABLE_OF(push, viscoelastic)},
-    .press = {TABLE_OF(press, linear), TABLE_OF(press, mass_damped), TABLE_OF(press, viscoelastic)},
-    .correct = correct,
+    .push = {{TABLE_OF(push, linear), TABLE_OF(push, mass_damped), TABLE_OF(push, viscoelastic)},
+             {TABLE_OF(push, linear_implicit), TABLE_OF(push, mass_damped_implicit),
+              TABLE_OF(push, viscoelastic_implicit)}},
+    .press = {{TABLE_OF(press, linear), TABLE_OF(press, mass_damped),
+               TABLE_OF(press, viscoelastic)},
+              {TABLE_OF(press, linear_implicit), TABLE_OF(press, mass_damped_implicit),
+               TABLE_OF(press, viscoelastic_implicit)}},
+    .correct = {[RK_SCHEME_VERLET] = correct, [RK_SCHEME_GEAR5] = gear_correct},
 };

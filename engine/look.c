@@ -223,6 +223,9 @@ size_t rk_scene_memory(const struct rk_scene *scene) {
     size_t grain = (9 + RK_FORCE_WIDTH) * real + 5 * index;
     grain += scene->has[RK_IF_ROTATES] ? 4 * real : 0;
     grain += scene->has[RK_IF_MIXED] ? index : 0;
+    grain += scene->has[RK_IF_IMPLICIT] ? (1 + RK_FORCE_WIDTH) * real : 0;
+    grain += scene->has[RK_IF_DERIVED] ? 4 * real : 0;
+    grain += scene->has[RK_IF_DERIVED_TURN] ? 2 * real : 0;
     /* first, second and reach2 of a pair; first, second, pair, dx, dy, d2 and force of a contact */
     size_t pair = 5 * index + (4 + RK_FORCE_WIDTH) * real;
     pair += scene->pairs.shift ? real : 0;

@@ -505,6 +505,7 @@ void rk_neighbours_free(struct rk_scene *scene) {
                             pairs->reach2,
                             pairs->history[RK_HISTORY_FT],
                             pairs->history[RK_HISTORY_MOMENT],
+                            pairs->history[RK_HISTORY_FN],
                             touching->pair,
                             touching->dx,
                             touching->dy,

@@ -4,6 +4,7 @@
 #include "engine/contact.h"
 #include "engine/fields.h"
 #include "engine/health.h"
+#include "engine/integrator.h"
 #include "engine/kernel.h"
 #include "engine/lanes.h"
 #include "engine/ledger.h"
@@ -27,6 +28,13 @@ const struct rk_param rk_accuracy_params[RK_ACCURACY_PARAMS] = {
      .above_low = true,
      .high = 2,
      .doc = "time step, at most, m the mass of a mean grain: 0.01 is Martins 2021 for shaking"},
+    {.name = "integrator",
+     .type = RK_PARAM_PIECE,
+     .offset = AT(integrator),
+     .unit = "",
+     .choice = "verlet",
+     .choices = &rk_integrator_registry,
+     .doc = "how grains are moved"},
     {.name = "neighbours",
      .type = RK_PARAM_PIECE,
      .offset = AT(neighbour),
@@ -101,6 +109,12 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     enum rk_status status = rk_fields_resize(scene, &rk_grain_fields, n, err);
     /* Loops over grains take whole vectors: what lies behind the last grain is read, never used. */
     scene->grains.force = rk_array_create(n + LANES, RK_FORCE_WIDTH * sizeof(double));
+    bool eased = true;
+    if (scene->has[RK_IF_IMPLICIT]) {
+        scene->grains.ease = rk_array_create(n + LANES, sizeof(double));
+        scene->grains.spread = rk_array_create(n + LANES, RK_FORCE_WIDTH * sizeof(double));
+        eased = scene->grains.ease && scene->grains.spread;
+    }
     near->cell_of = rk_array_create(n, sizeof(uint32_t));
     near->in_cell = rk_array_create(n, sizeof(uint32_t));
     near->row_start = rk_array_create(n + 2, sizeof(uint32_t));
@@ -111,7 +125,7 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     if (status == RK_OK && scene->has[RK_IF_LEDGER]) {
         status = rk_ledger_create(scene, err);
     }
-    if (status == RK_OK && (!scene->grains.force || !near->cell_of || !near->in_cell ||
+    if (status == RK_OK && (!eased || !scene->grains.force || !near->cell_of || !near->in_cell ||
                             !near->row_start || !scene->walls)) {
         status = rk_fail(err, RK_EMEMORY, "no memory for a scene of %zu grains", n);
     }
@@ -122,13 +136,18 @@ static void note_needs(struct rk_scene *scene) {
     const struct rk_contact_spec *contact = &scene->spec.contact;
     bool rolls = contact->rolling == &rk_rolling_spring;
     bool springs = contact->friction == &rk_friction_cundall_strack.piece;
+    bool implicit = rk_integrator_of(scene->spec.accuracy.integrator)->implicit;
     scene->has[RK_ALWAYS] = true;
     scene->has[RK_IF_ROTATES] = contact->friction != &rk_friction_none.piece;
-    scene->has[RK_IF_REMEMBERS] = springs || rolls;
-    scene->has[RK_IF_ROLLS] = rolls;
+    scene->has[RK_IF_REMEMBERS] = springs || rolls || implicit;
+    scene->has[RK_IF_ROLLS] = rolls || implicit; /* histories come one after the other */
+    scene->has[RK_IF_IMPLICIT] = implicit;
+    scene->has[RK_IF_DERIVED] = rk_integrator_of(scene->spec.accuracy.integrator)->derivatives;
+    scene->has[RK_IF_DERIVED_TURN] = scene->has[RK_IF_DERIVED] && scene->has[RK_IF_ROTATES];
     scene->has[RK_IF_LEDGER] = scene->spec.ledger;
-    scene->pairs.histories = rolls ? 2 : springs ? 1 : 0;
+    scene->pairs.histories = implicit ? 3 : rolls ? 2 : springs ? 1 : 0;
     scene->touching.histories = scene->pairs.histories;
+    scene->wall_touching.histories = implicit ? 3 : 2;
 }
 
 enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene **scene,
@@ -168,6 +187,9 @@ enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene
     if (!new->spec.accuracy.neighbour) {
         new->spec.accuracy.neighbour = rk_neighbour_default;
     }
+    if (!new->spec.accuracy.integrator) {
+        new->spec.accuracy.integrator = &rk_integrator_verlet.piece;
+    }
     if (!new->spec.contact.rolling) {
         new->spec.contact.rolling = &rk_rolling_none;
     }
@@ -196,6 +218,8 @@ void rk_scene_free(struct rk_scene *scene) {
     rk_fields_free(scene, &rk_ledger_fields);
     rk_fields_free(scene, &rk_lid_fields);
     free(scene->grains.force);
+    free(scene->grains.ease);
+    free(scene->grains.spread);
     free(scene->index_of);
     free(scene);
 }
@@ -418,15 +442,20 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
     return status;
 }
 
+enum rk_status rk_scene_add_forces(struct rk_scene *scene, double dt, struct rk_error *err) {
+    struct rk_contact_law law;
+    rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, dt);
+    return add_forces(scene, &law, err);
+}
+
 /* Before the very first step: accelerations that belong to the positions. No time passes, so no
  * tangential force builds up. */
 static enum rk_status prime(struct rk_scene *scene, struct rk_error *err) {
-    struct rk_contact_law law;
-    rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, 0);
+    const struct rk_integrator *integrator = rk_integrator_of(scene->spec.accuracy.integrator);
     rk_walls_move(scene, rk_scene_time(scene));
     enum rk_status status = rk_walls_fit_period(scene, err);
     if (status == RK_OK) {
-        status = add_forces(scene, &law, err);
+        status = rk_scene_add_forces(scene, 0, err);
     }
     rk_shares_gather(scene);
     if (status == RK_OK) {
@@ -436,10 +465,12 @@ static enum rk_status prime(struct rk_scene *scene, struct rk_error *err) {
         status = rk_health_check(scene, err); /* grains may have been put inside each other */
     }
     if (status == RK_OK) {
-        rk_shares_correct(scene, 0);
+        rk_shares_correct(scene, RK_SCHEME_VERLET, 0);
         rk_lids_correct(scene, 0);
-        scene->primed = 1;
+        status = integrator->start ? integrator->start(scene, err) : RK_OK;
+        rk_shares_gather(scene);
     }
+    scene->primed = status == RK_OK;
     if (status == RK_OK && scene->has[RK_IF_LEDGER]) {
         rk_ledger_begin(scene);
     }
@@ -469,6 +500,7 @@ void rk_scene_index_tags(struct rk_scene *scene) {
 
 static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_law *law,
                                 struct rk_error *err) {
+    const enum rk_scheme scheme = rk_integrator_of(scene->spec.accuracy.integrator)->scheme;
     enum rk_status status = RK_OK;
     if (scene->steps % RK_ORDER_EVERY == 0) {
         rk_shares_gather(scene);
@@ -482,7 +514,7 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
         return status;
     }
     uint64_t since = scene->now ? scene->now() : 0;
-    struct rk_bounds move = rk_shares_predict(scene);
+    struct rk_bounds move = rk_shares_predict(scene, scheme);
     if (scene->has[RK_IF_LIDS]) {
         rk_lids_predict(scene);
     }
@@ -493,7 +525,11 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
         return status;
     }
     since = scene->now ? scene->now() : 0;
-    rk_shares_correct(scene, scene->spec.dt);
+    struct rk_bounds more = rk_shares_correct(scene, scheme, scene->spec.dt);
+    for (int k = 0; k < 2; k++) {
+        move.low[k] += more.low[k];
+        move.high[k] += more.high[k];
+    }
     if (scene->has[RK_IF_LIDS]) {
         rk_lids_correct(scene, scene->spec.dt);
     }

@@ -13,18 +13,22 @@
 /* Sums over contacts of a grain: fx, fy, torque, and one double to fill half a cache line. */
 enum { RK_FORCE_WIDTH = 4 };
 
-/* What a contact remembers while it lives: the tangential force and the rolling moment. */
-enum { RK_HISTORY_FT, RK_HISTORY_MOMENT, RK_HISTORIES };
+/* What a contact remembers while it lives: the tangential force, the rolling moment, and for an
+ * implicit integrator the normal force. A scene has the first few of them. */
+enum { RK_HISTORY_FT, RK_HISTORY_MOMENT, RK_HISTORY_FN, RK_HISTORIES };
 
 /* What a scene may have or not have; state that belongs to it is there or not. */
 enum rk_need {
     RK_ALWAYS,
-    RK_IF_ROTATES,   /* there is friction */
-    RK_IF_REMEMBERS, /* contacts have a history */
-    RK_IF_ROLLS,     /* there is rolling resistance */
-    RK_IF_MIXED,     /* there are several materials */
-    RK_IF_LEDGER,    /* energies are accounted for */
-    RK_IF_LIDS,      /* a wall answers to the grains */
+    RK_IF_ROTATES,      /* there is friction */
+    RK_IF_REMEMBERS,    /* contacts have a history */
+    RK_IF_ROLLS,        /* there is rolling resistance */
+    RK_IF_MIXED,        /* there are several materials */
+    RK_IF_LEDGER,       /* energies are accounted for */
+    RK_IF_LIDS,         /* a wall answers to the grains */
+    RK_IF_IMPLICIT,     /* the integrator remembers normal forces */
+    RK_IF_DERIVED,      /* the integrator keeps third and fourth derivatives */
+    RK_IF_DERIVED_TURN, /* and something rotates */
     RK_NEEDS
 };
 
@@ -34,9 +38,13 @@ struct rk_grains {
     double *angle, *omega, *alpha; /* NULL where nothing rotates; alpha = angular acceleration */
     double *radius, *mass, *inverse_mass; /* inverse_mass is 0 for a held grain */
     double *inverse_inertia;              /* likewise; NULL where nothing rotates */
+    double *jx, *jy, *sx, *sy; /* third and fourth derivatives of the place; NULL if not kept */
+    double *jerk, *snap;       /* of the angle */
     uint32_t *tag;
     uint32_t *material; /* NULL where there is one material only */
     double *force;      /* [capacity][RK_FORCE_WIDTH], scratch of a step */
+    double *ease;   /* how easily its contacts move a grain, scratch of an implicit step; or NULL */
+    double *spread; /* [capacity][RK_FORCE_WIDTH], scratch for that */
 };
 
 /* Neighbour pairs in the order of (first, second), first < second. */
@@ -140,7 +148,9 @@ struct rk_wall_touching {
     double *nx, *ny, *overlap; /* normal from the grain to the wall */
     double *vx, *vy, *omega;   /* velocity of the wall where it is touched, and its spin */
     double *rough;             /* 1, or 0 at a smooth wall */
-    double *fn, *history[RK_HISTORIES];
+    double *fn;
+    size_t histories;
+    double *history[RK_HISTORIES];
     double *force; /* [capacity][RK_FORCE_WIDTH]: on the wall fx, fy; torque on the grain */
 };
 
@@ -195,6 +205,13 @@ size_t rk_scene_index(const struct rk_scene *scene, uint32_t tag);
 
 /* Work out what depends on the radii; before the first step and after unpacking. */
 enum rk_status rk_scene_get_ready(struct rk_scene *scene, struct rk_error *err);
+
+/* The forces of the present positions and velocities in grains->force, as after a step of dt; dt
+ * below 0 goes back in time. */
+enum rk_status rk_scene_add_forces(struct rk_scene *scene, double dt, struct rk_error *err);
+
+/* Back to the state that this very scene packed, to look at another moment and return. */
+void rk_scene_rewind(struct rk_scene *scene, const void *block);
 
 /* Renew index_of after the order has changed. */
 void rk_scene_index_tags(struct rk_scene *scene);

@@ -84,26 +84,18 @@ enum rk_status rk_shares_cut(struct rk_scene *scene, struct rk_error *err) {
     return RK_OK;
 }
 
-struct rk_bounds rk_shares_predict(struct rk_scene *scene) {
-    const double dt = scene->spec.dt;
-    struct rk_bounds *moved = &scene->neighbours.moved;
-    size_t blocks = (scene->grains.count + LANES - 1) / LANES, threads = scene->share_count;
-#pragma omp parallel for num_threads((int)threads) schedule(static) if (threads > 1)
-    for (size_t t = 0; t < threads; t++) {
-        size_t begin = blocks * t / threads * LANES, end = blocks * (t + 1) / threads * LANES;
-        end = end < scene->grains.count ? end : scene->grains.count;
-        scene->kernel->predict(&scene->grains, begin, end, dt, &scene->shares[t].moved);
+/* The bounds of all grains' moves from those of the threads', added to those since the build. */
+static struct rk_bounds gather_moves(struct rk_scene *scene) {
+    struct rk_bounds *moved = &scene->neighbours.moved, most = scene->shares[0].moved;
+    if (scene->grains.count == 0) {
+        return (struct rk_bounds){{0, 0}, {0, 0}};
     }
-    struct rk_bounds most = scene->shares[0].moved;
-    for (size_t t = 1; t < threads; t++) {
+    for (size_t t = 1; t < scene->share_count; t++) {
         const struct rk_bounds *part = &scene->shares[t].moved;
         for (int k = 0; k < 2; k++) {
             most.low[k] = part->low[k] < most.low[k] ? part->low[k] : most.low[k];
             most.high[k] = part->high[k] > most.high[k] ? part->high[k] : most.high[k];
         }
-    }
-    if (scene->grains.count == 0) {
-        return (struct rk_bounds){{0, 0}, {0, 0}};
     }
     for (int k = 0; k < 2; k++) {
         moved->low[k] += most.low[k];
@@ -112,14 +104,27 @@ struct rk_bounds rk_shares_predict(struct rk_scene *scene) {
     return most;
 }
 
-void rk_shares_correct(struct rk_scene *scene, double dt) {
+struct rk_bounds rk_shares_predict(struct rk_scene *scene, enum rk_scheme scheme) {
+    const double dt = scene->spec.dt;
     size_t blocks = (scene->grains.count + LANES - 1) / LANES, threads = scene->share_count;
 #pragma omp parallel for num_threads((int)threads) schedule(static) if (threads > 1)
     for (size_t t = 0; t < threads; t++) {
         size_t begin = blocks * t / threads * LANES, end = blocks * (t + 1) / threads * LANES;
         end = end < scene->grains.count ? end : scene->grains.count;
-        scene->kernel->correct(&scene->grains, begin, end, dt);
+        scene->kernel->predict[scheme](&scene->grains, begin, end, dt, &scene->shares[t].moved);
     }
+    return gather_moves(scene);
+}
+
+struct rk_bounds rk_shares_correct(struct rk_scene *scene, enum rk_scheme scheme, double dt) {
+    size_t blocks = (scene->grains.count + LANES - 1) / LANES, threads = scene->share_count;
+#pragma omp parallel for num_threads((int)threads) schedule(static) if (threads > 1)
+    for (size_t t = 0; t < threads; t++) {
+        size_t begin = blocks * t / threads * LANES, end = blocks * (t + 1) / threads * LANES;
+        end = end < scene->grains.count ? end : scene->grains.count;
+        scene->kernel->correct[scheme](&scene->grains, begin, end, dt, &scene->shares[t].moved);
+    }
+    return gather_moves(scene);
 }
 
 static void touch(struct rk_scene *scene, size_t t) {
@@ -128,10 +133,24 @@ static void touch(struct rk_scene *scene, size_t t) {
                          &share->touching);
 }
 
+/* How easily the grains of share t are moved; the other shares' crossing contacts are noted. */
+static void ease(struct rk_scene *scene, size_t t) {
+    const struct rk_share *share = &scene->shares[t];
+    struct rk_grains *g = &scene->grains;
+    memset(g->spread + RK_FORCE_WIDTH * share->begin, 0,
+           (share->end - share->begin) * RK_FORCE_WIDTH * sizeof *g->spread);
+    for (size_t before = 0; before < t; before++) {
+        scene->kernel->spread_crossing(g, &scene->shares[before].touching, share->begin,
+                                       share->end);
+    }
+    scene->kernel->spread_own(g, &share->touching);
+    scene->kernel->ease(g, &scene->wall_touching, share->begin, share->end);
+}
+
 static void push(struct rk_scene *scene, const struct rk_contact_law *law, size_t t) {
     struct rk_share *share = &scene->shares[t];
     scene->kernel->weigh(&scene->grains, share->begin, share->end, scene->spec.gravity);
-    scene->kernel->push[law->normal][law->tangent][law->rolls][law->materials > 1](
+    scene->kernel->push[law->implicit][law->normal][law->tangent][law->rolls][law->materials > 1](
         &scene->grains, law, &scene->pairs, &share->touching);
 }
 
@@ -142,6 +161,9 @@ static void push_alone(struct rk_scene *scene, const struct rk_contact_law *law)
         uint64_t spent = scene->now() - since;
         scene->profile.ticks[RK_PHASE_TOUCH] += spent;
         scene->profile.ticks[RK_PHASE_PUSH] -= spent;
+    }
+    if (law->implicit) {
+        ease(scene, 0);
     }
     push(scene, law, 0);
     scene->touching.count = scene->shares[0].touching.count;
@@ -162,6 +184,38 @@ void rk_shares_touch(struct rk_scene *scene) {
     rk_shares_gather(scene);
 }
 
+void rk_shares_recall(struct rk_scene *scene) {
+    const struct rk_pairs *pairs = &scene->pairs;
+    const struct rk_grains *g = &scene->grains;
+    struct rk_touching *all = &scene->touching;
+    size_t p = 0, count = 0;
+    for (size_t c = 0; c < all->count; c++) {
+        uint64_t key = (uint64_t)all->first[c] << 32 | all->second[c];
+        while (p < pairs->count && ((uint64_t)pairs->first[p] << 32 | pairs->second[p]) < key) {
+            p++;
+        }
+        if (p == pairs->count || pairs->first[p] != all->first[c] ||
+            pairs->second[p] != all->second[c]) {
+            continue; /* only in a state that no scene has packed */
+        }
+        double dx = g->x[all->second[c]] - g->x[all->first[c]];
+        double dy = g->y[all->second[c]] - g->y[all->first[c]];
+        dx += pairs->shift ? pairs->shift[p] : 0;
+        double d2 = dx * dx + dy * dy, reach2 = pairs->reach2[p];
+        all->first[count] = all->first[c];
+        all->second[count] = all->second[c];
+        all->pair[count] = (uint32_t)p;
+        all->dx[count] = dx;
+        all->dy[count] = dy;
+        all->d2[count] = d2 < reach2 ? d2 : reach2;
+        for (size_t h = 0; h < all->histories; h++) {
+            all->history[h][count] = all->history[h][c];
+        }
+        count++;
+    }
+    all->count = count;
+}
+
 void rk_shares_push(struct rk_scene *scene, const struct rk_contact_law *law) {
     const struct rk_kernel *kernel = scene->kernel;
     size_t threads = scene->share_count;
@@ -175,7 +229,21 @@ void rk_shares_push(struct rk_scene *scene, const struct rk_contact_law *law) {
 #pragma omp for schedule(static)
         for (size_t t = 0; t < threads; t++) {
             touch(scene, t);
-            push(scene, law, t);
+            if (law->implicit) {
+                kernel->note(&scene->shares[t].touching);
+            } else {
+                push(scene, law, t);
+            }
+        }
+        if (law->implicit) { /* every grain's ease is known before it is used */
+#pragma omp for schedule(static)
+            for (size_t t = 0; t < threads; t++) {
+                ease(scene, t);
+            }
+#pragma omp for schedule(static)
+            for (size_t t = 0; t < threads; t++) {
+                push(scene, law, t);
+            }
         }
 #pragma omp for schedule(static)
         for (size_t t = 0; t < threads; t++) {

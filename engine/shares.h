@@ -9,6 +9,7 @@
 #define RK_ENGINE_SHARES_H
 
 #include "engine/contact.h"
+#include "engine/integrator.h"
 #include "engine/scene.h"
 
 #define RK_THREADS_MAX ((size_t)256)
@@ -19,13 +20,17 @@ void rk_shares_free(struct rk_scene *scene);
 /* Cut the present pair list; after each build. */
 enum rk_status rk_shares_cut(struct rk_scene *scene, struct rk_error *err);
 
-/* Predict and correct all grains. The bounds of the moves of this step are given back, and added
+/* Predict and correct all grains. The bounds of the moves that this makes are given back, and added
  * to neighbours.moved. */
-struct rk_bounds rk_shares_predict(struct rk_scene *scene);
-void rk_shares_correct(struct rk_scene *scene, double dt);
+struct rk_bounds rk_shares_predict(struct rk_scene *scene, enum rk_scheme scheme);
+struct rk_bounds rk_shares_correct(struct rk_scene *scene, enum rk_scheme scheme, double dt);
 
 /* Which pairs touch, what they remember staying with the pairs: no forces, nothing changes. */
 void rk_shares_touch(struct rk_scene *scene);
+
+/* The same for contacts that are known, where they were found at other positions than the present:
+ * they are measured, none is lost or found. */
+void rk_shares_recall(struct rk_scene *scene);
 
 /* Weights and the forces of all pairs into grains->force. */
 void rk_shares_push(struct rk_scene *scene, const struct rk_contact_law *law);

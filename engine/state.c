@@ -1,6 +1,7 @@
 /* The state of a scene as a block of bytes, and back: everything that the field tables declare. */
 #include "base/memory.h"
 #include "engine/fields.h"
+#include "engine/integrator.h"
 #include "engine/kernel.h"
 #include "engine/neighbours.h"
 #include "engine/scene.h"
@@ -105,9 +106,8 @@ static enum rk_status check_block(const struct rk_scene *scene, const char *bloc
     return head == size ? RK_OK : damaged(err, "its length does not fit its contents");
 }
 
-static bool remembers_numbers(const struct rk_scene *scene, double *const history[RK_HISTORIES],
-                              size_t c) {
-    for (size_t h = 0; h < scene->touching.histories; h++) {
+static bool remembers_numbers(size_t histories, double *const history[RK_HISTORIES], size_t c) {
+    for (size_t h = 0; h < histories; h++) {
         if (!isfinite(history[h][c])) {
             return false;
         }
@@ -123,7 +123,7 @@ static enum rk_status check_contacts(const struct rk_scene *scene, struct rk_err
         bool later = c == 0 || t->first[c] > t->first[c - 1] ||
                      (t->first[c] == t->first[c - 1] && t->second[c] > t->second[c - 1]);
         if (t->first[c] >= t->second[c] || t->second[c] >= n || !later ||
-            !remembers_numbers(scene, t->history, c)) {
+            !remembers_numbers(t->histories, t->history, c)) {
             return damaged(err, "its contacts are out of order");
         }
     }
@@ -131,8 +131,7 @@ static enum rk_status check_contacts(const struct rk_scene *scene, struct rk_err
         if (w->wall[c] >= scene->wall_count ||
             w->primitive[c] >= scene->walls[w->wall[c]].primitive_count || w->grain[c] >= n ||
             (c > 0 && rk_wall_contact_key(w, c) <= rk_wall_contact_key(w, c - 1)) ||
-            !isfinite(w->history[RK_HISTORY_FT][c]) ||
-            !isfinite(w->history[RK_HISTORY_MOMENT][c])) {
+            !remembers_numbers(w->histories, w->history, c)) {
             return damaged(err, "its wall contacts are out of order");
         }
     }
@@ -149,6 +148,7 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
     const struct rk_grains *g = &scene->grains;
     for (size_t i = 0; i < g->count; i++) {
         double sum = g->x[i] + g->y[i] + g->vx[i] + g->vy[i] + g->ax[i] + g->ay[i];
+        sum += g->jx ? g->jx[i] + g->jy[i] + g->sx[i] + g->sy[i] : 0;
         if (!isfinite(sum) || !(g->radius[i] > 0) || !isfinite(g->radius[i]) || !(g->mass[i] > 0) ||
             !isfinite(g->mass[i]) || !(g->inverse_mass[i] >= 0)) {
             return damaged(err, "a grain has a value that cannot be");
@@ -174,7 +174,9 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
 }
 
 /* Contacts as they were, so that the scene can be looked at before it steps: which touch follows
- * from the positions, what they remember is handed on. Only forces have to wait for a step. */
+ * from the positions, what they remember is handed on. Only forces have to wait for a step.
+ * A corrector that moves the grains leaves contacts that belong to the predicted positions: they
+ * are taken as they are. */
 static enum rk_status find_contacts(struct rk_scene *scene, struct rk_error *err) {
     if (!scene->primed) {
         return RK_OK; /* it has never had any */
@@ -183,8 +185,39 @@ static enum rk_status find_contacts(struct rk_scene *scene, struct rk_error *err
     if (status) {
         return status;
     }
-    rk_shares_touch(scene);
-    return rk_walls_touch(scene, err);
+    bool corrected = rk_integrator_of(scene->spec.accuracy.integrator)->derivatives;
+    if (corrected && scene->has[RK_IF_REMEMBERS]) {
+        rk_shares_recall(scene);
+    } else {
+        rk_shares_touch(scene);
+    }
+    return corrected ? rk_walls_recall(scene, err) : rk_walls_touch(scene, err);
+}
+
+static void copy_fields(struct rk_scene *scene, const uint64_t scalars[STATE_SCALARS],
+                        const void *block) {
+    const char *at = (const char *)block + sizeof state_mark + STATE_SCALARS * sizeof(uint64_t);
+    scene->grains.count = scalars[3];
+    scene->touching.count = scalars[4];
+    scene->wall_touching.count = scalars[5];
+    for (size_t s = 0; s < KEPT; s++) {
+        for (size_t f = 0; f < kept[s]->count; f++) {
+            const struct rk_field *field = &kept[s]->fields[f];
+            if (rk_field_present(scene, field) && scalars[3 + s] > 0) {
+                size_t bytes = scalars[3 + s] * rk_field_size(field);
+                memcpy(rk_field_array(scene, field), at, bytes);
+                at += bytes;
+            }
+        }
+    }
+}
+
+void rk_scene_rewind(struct rk_scene *scene, const void *block) {
+    uint64_t scalars[STATE_SCALARS];
+    memcpy(scalars, (const char *)block + sizeof state_mark, sizeof scalars);
+    copy_fields(scene, scalars, block);
+    scene->scattered = false;
+    scene->neighbours.valid = false; /* the next list takes over what contacts remember */
 }
 
 enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t size,
@@ -205,20 +238,7 @@ enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t
     }
     scene->steps = scalars[0];
     scene->primed = scalars[1];
-    scene->grains.count = scalars[3];
-    scene->touching.count = scalars[4];
-    scene->wall_touching.count = scalars[5];
-    const char *at = (const char *)block + sizeof state_mark + sizeof scalars;
-    for (size_t s = 0; s < KEPT; s++) {
-        for (size_t f = 0; f < kept[s]->count; f++) {
-            const struct rk_field *field = &kept[s]->fields[f];
-            if (rk_field_present(scene, field)) {
-                size_t bytes = scalars[3 + s] * rk_field_size(field);
-                memcpy(rk_field_array(scene, field), at, bytes);
-                at += bytes;
-            }
-        }
-    }
+    copy_fields(scene, scalars, block);
     scene->ready = false;
     status = check_grains(scene, err);
     if (status == RK_OK) {

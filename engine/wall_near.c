@@ -131,7 +131,7 @@ static void carry_history(struct rk_near *near, size_t w, const struct rk_wall_t
         }
         bool touched = c < t->count && t->wall[c] == w && t->primitive[c] == near->primitive[k] &&
                        t->grain[c] == near->grain[k];
-        for (size_t h = 0; h < RK_HISTORIES; h++) {
+        for (size_t h = 0; h < t->histories; h++) {
             near->history[h][k] = touched ? t->history[h][c] : 0;
         }
         near->before[k] = touched;

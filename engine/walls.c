@@ -62,8 +62,9 @@ static void put(struct rk_scene *scene, size_t w, size_t k, double overlap, cons
     t->vy[c] = velocity[1];
     t->omega[c] = wall->pose.turn;
     t->rough[c] = wall->spec.friction ? 1 : 0;
-    t->history[RK_HISTORY_FT][c] = wall->near.history[RK_HISTORY_FT][k];
-    t->history[RK_HISTORY_MOMENT][c] = wall->near.history[RK_HISTORY_MOMENT][k];
+    for (size_t h = 0; h < t->histories; h++) {
+        t->history[h][c] = wall->near.history[h][k];
+    }
 }
 
 /* Velocity of the wall at its point next to a disc at (x, y), a distance off along the normal. */
@@ -76,7 +77,14 @@ static void velocity_at(const struct rk_wall *wall, double x, double y, double d
     velocity[1] = pose->velocity[1] + pose->turn * arm_x;
 }
 
-static void touch_line(struct rk_scene *scene, size_t w) {
+static void forget(struct rk_near *near, size_t k) {
+    for (size_t h = 0; h < RK_HISTORIES; h++) {
+        near->history[h][k] = 0;
+    }
+}
+
+/* `recall`: what is in the list of the last step touches. */
+static void touch_line(struct rk_scene *scene, size_t w, bool recall) {
     struct rk_wall *wall = &scene->walls[w];
     const struct rk_grains *g = &scene->grains;
     const double normal[2] = {-wall->normal[0], -wall->normal[1]}; /* grain to wall */
@@ -85,8 +93,11 @@ static void touch_line(struct rk_scene *scene, size_t w) {
         uint32_t i = wall->near.grain[k];
         double overlap = g->radius[i] - (normal[0] * (wall->at[0] - g->x[i]) +
                                          normal[1] * (wall->at[1] - g->y[i]));
-        if (!(overlap > 0)) {
-            wall->near.history[RK_HISTORY_FT][k] = wall->near.history[RK_HISTORY_MOMENT][k] = 0;
+        if (recall) {
+            overlap = overlap > 0 ? overlap : 0;
+        }
+        if (recall ? !wall->near.before[k] : !(overlap > 0)) {
+            forget(&wall->near, k);
             continue;
         }
         if (wall->pose.turn != 0) {
@@ -130,7 +141,7 @@ static void take_over(struct rk_scene *scene, const struct rk_wall *wall, size_t
                        ? SIZE_MAX
                        : rk_wall_near_find(&wall->near, (size_t)other, t->grain[c]);
         if (k != SIZE_MAX && went_on(scene, wall, k)) {
-            for (size_t h = 0; h < RK_HISTORIES; h++) {
+            for (size_t h = 0; h < t->histories; h++) {
                 t->history[h][c] = wall->near.history[h][k];
             }
             return;
@@ -138,18 +149,22 @@ static void take_over(struct rk_scene *scene, const struct rk_wall *wall, size_t
     }
 }
 
-static void touch_shape(struct rk_scene *scene, size_t w) {
+static void touch_shape(struct rk_scene *scene, size_t w, bool recall) {
     struct rk_wall *wall = &scene->walls[w];
     struct rk_near *near = &wall->near;
     const struct rk_grains *g = &scene->grains;
     size_t first = scene->wall_touching.count;
     for (size_t k = 0; k < near->count; k++) {
         uint32_t i = near->grain[k];
-        double x = image_of(scene, wall, k), q[2], overlap, normal[2];
+        double x = image_of(scene, wall, k), q[2], overlap = 0, normal[2] = {0, 1};
         double velocity[2] = {wall->pose.velocity[0], wall->pose.velocity[1]};
         rk_pose_inward(wall, x, g->y[i], q);
         near->now[k] = rk_primitive_touches(&wall->primitives[near->primitive[k]], q, g->radius[i],
                                             &overlap, normal);
+        if (recall) {
+            near->now[k] = near->before[k];
+            overlap = overlap > 0 ? overlap : 0;
+        }
         if (!near->now[k]) {
             continue;
         }
@@ -170,7 +185,7 @@ static void touch_shape(struct rk_scene *scene, size_t w) {
     for (size_t k = 0; k < near->count; k++) {
         near->before[k] = near->now[k];
         if (!near->now[k]) {
-            near->history[RK_HISTORY_FT][k] = near->history[RK_HISTORY_MOMENT][k] = 0;
+            forget(near, k);
         }
     }
 }
@@ -198,13 +213,13 @@ static void give(struct rk_scene *scene) {
         total[2] += force[2];
         wall->force[0] += force[0];
         wall->force[1] += force[1];
-        for (size_t h = 0; h < RK_HISTORIES; h++) {
+        for (size_t h = 0; h < t->histories; h++) {
             wall->near.history[h][t->entry[c]] = t->history[h][c];
         }
     }
 }
 
-enum rk_status rk_walls_touch(struct rk_scene *scene, struct rk_error *err) {
+static enum rk_status find_touching(struct rk_scene *scene, bool recall, struct rk_error *err) {
     bool renewed = false;
     for (size_t w = 0; w < scene->wall_count; w++) {
         if (!rk_wall_near_holds(scene, &scene->walls[w])) {
@@ -225,22 +240,30 @@ enum rk_status rk_walls_touch(struct rk_scene *scene, struct rk_error *err) {
     for (size_t w = 0; w < scene->wall_count; w++) {
         scene->walls[w].force[0] = scene->walls[w].force[1] = 0;
         if (scene->walls[w].line) {
-            touch_line(scene, w);
+            touch_line(scene, w, recall);
         } else {
-            touch_shape(scene, w);
+            touch_shape(scene, w, recall);
         }
     }
     fill_up(&scene->wall_touching);
     return RK_OK;
 }
 
+enum rk_status rk_walls_touch(struct rk_scene *scene, struct rk_error *err) {
+    return find_touching(scene, false, err);
+}
+
+enum rk_status rk_walls_recall(struct rk_scene *scene, struct rk_error *err) {
+    return find_touching(scene, true, err);
+}
+
 enum rk_status rk_walls_push(struct rk_scene *scene, const struct rk_contact_law *law,
                              struct rk_error *err) {
-    enum rk_status status = rk_walls_touch(scene, err);
+    enum rk_status status = find_touching(scene, false, err);
     if (status) {
         return status;
     }
-    scene->kernel->press[law->normal][law->tangent][law->rolls][law->materials > 1](
+    scene->kernel->press[law->implicit][law->normal][law->tangent][law->rolls][law->materials > 1](
         &scene->grains, law, &scene->wall_touching);
     give(scene);
     return RK_OK;

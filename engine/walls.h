@@ -64,7 +64,11 @@ size_t rk_wall_near_find(const struct rk_near *near, size_t primitive, uint32_t 
 /* Which grains touch which walls, and what those contacts remember. Forces on walls become 0. */
 enum rk_status rk_walls_touch(struct rk_scene *scene, struct rk_error *err);
 
-/* The same, and add the wall contacts' forces to grains->force: by wall, primitive, grain. */
+/* The same for the contacts of wall_touching, as found at other positions than the present: none is
+ * lost or found. */
+enum rk_status rk_walls_recall(struct rk_scene *scene, struct rk_error *err);
+
+/* Touch, and add the wall contacts' forces to grains->force: by wall, primitive, grain. */
 enum rk_status rk_walls_push(struct rk_scene *scene, const struct rk_contact_law *law,
                              struct rk_error *err);
 

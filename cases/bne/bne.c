@@ -140,8 +140,8 @@ static struct rk_schedule bne_schedule(const void *params) {
     struct rk_schedule schedule =
         rk_run_schedule(&bne->run, bne->drive.period, nominal_step(bne, bne->accuracy.step));
     double smallest = smallest_mass(bne);
-    schedule.stable_dt =
-        rk_stable_step(&bne->contact, rk_contact_gamma(&bne->contact, smallest), smallest);
+    schedule.stable_dt = rk_stable_step(bne->accuracy.integrator, &bne->contact,
+                                        rk_contact_gamma(&bne->contact, smallest), smallest);
     return schedule;
 }
 

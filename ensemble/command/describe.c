@@ -15,9 +15,9 @@ struct describe_options {
 };
 
 static const struct rk_registry *const registries[] = {
-    &rk_case_registry,    &rk_analysis_registry, &rk_law_registry,   &rk_friction_registry,
-    &rk_tension_registry, &rk_drive_registry,    &rk_shape_registry, &rk_neighbour_registry,
-    &rk_kernel_registry,  &rk_probe_registry,
+    &rk_case_registry,      &rk_analysis_registry, &rk_law_registry,   &rk_friction_registry,
+    &rk_tension_registry,   &rk_drive_registry,    &rk_shape_registry, &rk_integrator_registry,
+    &rk_neighbour_registry, &rk_kernel_registry,   &rk_probe_registry,
 };
 enum { REGISTRIES = sizeof registries / sizeof *registries };
 

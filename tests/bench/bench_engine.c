@@ -1,7 +1,8 @@
 /* How fast the engine is on the full Brazil-nut scene, and where its time goes.
  *
  *     bench_engine [--grains N] [--width W] [--walls] [--smooth] [--warm STEPS] [--steps STEPS]
- *                  [--repeat N] [--skin S] [--kernel NAME]
+ *                  [--repeat N] [--skin S] [--kernel NAME] [--integrator NAME]
+ *                  [--settle-step SHARE]
  *
  * Settles the bed, shakes it for --warm steps, then times --steps steps by CPU time, --repeat
  * times, and prints the median. The defaults are the periodic scene of Martins 2021 (2500 grains,
@@ -60,6 +61,14 @@ static struct options read_options(int argc, char **argv) {
             o.repeat = strtoul(value, NULL, 10), i++;
         } else if (strcmp(argv[i], "--skin") == 0) {
             o.bne.accuracy.skin = strtod(value, NULL), i++;
+        } else if (strcmp(argv[i], "--integrator") == 0) {
+            o.bne.accuracy.integrator = rk_registry_find(&rk_integrator_registry, value), i++;
+            if (!o.bne.accuracy.integrator) {
+                fprintf(stderr, "bench_engine: there is no integrator %s\n", value);
+                exit(2);
+            }
+        } else if (strcmp(argv[i], "--settle-step") == 0) {
+            o.bne.settle.step = strtod(value, NULL), i++;
         } else if (strcmp(argv[i], "--kernel") == 0) {
             o.kernel = value, i++;
         } else {
@@ -182,10 +191,10 @@ int main(int argc, char **argv) {
     struct rk_error err = RK_NO_ERROR;
     enum rk_status status = make_scene(&o, &scene, &err);
     if (status == RK_OK) {
-        printf("%zu grains, width %g, %s sides, friction %s, kernel %s, skin %g, dt %.4e\n",
+        printf("%zu grains, width %g, %s sides, friction %s, %s, kernel %s, skin %g, dt %.4e\n",
                rk_scene_grains(scene), o.bne.box.width, o.bne.box.sides->name,
-               o.bne.contact.friction->name, rk_scene_spec(scene)->kernel->name,
-               o.bne.accuracy.skin, rk_scene_spec(scene)->dt);
+               o.bne.contact.friction->name, o.bne.accuracy.integrator->name,
+               rk_scene_spec(scene)->kernel->name, o.bne.accuracy.skin, rk_scene_spec(scene)->dt);
         status = measure(&o, scene, &err);
     }
     if (status == RK_OK) {

@@ -192,9 +192,9 @@ static void the_stability_limit_is_the_known_one(void **state) {
     (void)state;
     static const double known[][2] = {
         {.03, 1.8836}, {.1, 1.6397}, {.3, 1.1324}, {.7, .6410}, {1, .4722}};
-    assert_true(fabs(rk_verlet_limit(0) - 2) < 2e-3);
+    assert_true(fabs(rk_integrator_limit(NULL, 0) - 2) < 2e-3);
     for (int k = 0; k < 5; k++) {
-        assert_true(fabs(rk_verlet_limit(known[k][0]) - known[k][1]) < 2e-4);
+        assert_true(fabs(rk_integrator_limit(NULL, known[k][0]) - known[k][1]) < 2e-4);
     }
 }
 
@@ -204,7 +204,7 @@ static void the_limit_divides_the_living_from_the_dead(void **state) {
     (void)state;
     for (int above = 0; above < 2; above++) {
         double zeta = 0.3, w0 = sqrt(2 * kn / mass), gamma = zeta * m_eff * 2 * w0;
-        double dt = rk_verlet_limit(zeta) / w0 * (above ? 1.02 : 0.98);
+        double dt = rk_integrator_limit(NULL, zeta) / w0 * (above ? 1.02 : 0.98);
         struct rk_scene_spec spec = {
             .grains = 3,
             .dt = dt,

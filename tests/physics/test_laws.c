@@ -396,7 +396,7 @@ static enum rk_status disturbed_lattice(const char *friction, double damping, do
     spec.contact.mu = 1e6; /* no sliding */
     spec.contact.gamma_t = 10;
     spec.gamma = rk_contact_gamma(&spec.contact, mass);
-    spec.dt = share * rk_stable_step(&spec.contact, spec.gamma, mass);
+    spec.dt = share * rk_stable_step(spec.accuracy.integrator, &spec.contact, spec.gamma, mass);
     spec.health.overlap = 0.3;
     struct rk_scene *scene = scene_of(&spec);
     for (int i = 0; i < COLUMNS * ROWS; i++) {

@@ -16,7 +16,7 @@
 
 /* A shaken box of a few grains of sizes 1 to 8, packed at `steps`. */
 struct recipe {
-    const char *law, *friction, *rolling, *tension, *neighbours, *kernel;
+    const char *law, *friction, *rolling, *tension, *neighbours, *kernel, *integrator;
     bool periodic, mixed, ledger;
     size_t threads;
     double skin;
@@ -80,7 +80,10 @@ static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
                     .mu_rolling = 0.1,
                     .young = 2e4,
                     .loss = 0.002},
-        .accuracy = {.neighbour = rk_registry_find(&rk_neighbour_registry, r->neighbours),
+        .accuracy = {.integrator = r->integrator
+                                       ? rk_registry_find(&rk_integrator_registry, r->integrator)
+                                       : NULL,
+                     .neighbour = rk_registry_find(&rk_neighbour_registry, r->neighbours),
                      .skin = r->skin},
         .health = {.overlap = 0.9, .travel = 0.5, .every = 100},
         .ledger = r->ledger,
@@ -169,7 +172,8 @@ static void *outcome(const struct recipe *recipe, size_t *size) {
 }
 
 /* Every law, friction, rolling resistance and tension of the registries, so that a new piece is
- * tested the day it is added; sides and materials take turns. */
+ * tested the day it is added; sides and materials take turns. Every integrator meets every friction
+ * and rolling resistance; the first of them meets all. */
 static void for_every_physics(void (*check)(struct recipe recipe)) {
     const size_t laws = rk_law_registry.count, frictions = rk_friction_registry.count;
     const size_t rollings = rk_rolling_registry.count, tensions = rk_tension_registry.count;
@@ -183,6 +187,22 @@ static void for_every_physics(void (*check)(struct recipe recipe)) {
             .periodic = k % 2 == 0,
             .mixed = k / 2 % 2 == 0,
             .ledger = k % 3 == 0,
+            .skin = 0.1};
+        if (strcmp(recipe.friction, "none") != 0 || strcmp(recipe.rolling, "none") == 0) {
+            recipe.integrator = rk_integrator_registry.pieces[0]->name;
+            check(recipe);
+        }
+    }
+    for (size_t k = 0; k < (rk_integrator_registry.count - 1) * frictions * rollings; k++) {
+        struct recipe recipe = {
+            .law = rk_law_registry.pieces[k % laws]->name,
+            .friction = rk_friction_registry.pieces[k % frictions]->name,
+            .rolling = rk_rolling_registry.pieces[k / frictions % rollings]->name,
+            .tension = rk_tension_registry.pieces[k % tensions]->name,
+            .neighbours = "cells",
+            .integrator = rk_integrator_registry.pieces[1 + k / frictions / rollings]->name,
+            .periodic = k % 2 == 0,
+            .mixed = k / 2 % 2 == 0,
             .skin = 0.1};
         if (strcmp(recipe.friction, "none") != 0 || strcmp(recipe.rolling, "none") == 0) {
             check(recipe);
@@ -204,6 +224,8 @@ static void for_every_wall(void (*check)(struct recipe recipe)) {
                                     .skin = 0.1,
                                     .shape = rk_shape_registry.pieces[s]->name,
                                     .drive = rk_drive_registry.pieces[d]->name};
+            recipe.integrator =
+                rk_integrator_registry.pieces[(s + d) % rk_integrator_registry.count]->name;
             check(recipe);
         }
     }
@@ -212,8 +234,9 @@ static void for_every_wall(void (*check)(struct recipe recipe)) {
 static void check_variants(struct recipe recipe) {
     size_t size, other_size;
     void *block = outcome(&recipe, &size);
+    bool all = strcmp(recipe.integrator, rk_integrator_registry.pieces[0]->name) == 0;
     for (size_t m = 0; m < rk_neighbour_registry.count; m++) {
-        for (size_t k = 0; k < rk_kernel_registry.count; k++) {
+        for (size_t k = 0; k < (all || m == 0 ? rk_kernel_registry.count : 1); k++) {
             struct recipe variant = recipe;
             variant.neighbours = rk_neighbour_registry.pieces[m]->name;
             variant.kernel = rk_kernel_registry.pieces[k]->name;
@@ -256,13 +279,14 @@ static void check_threads(struct recipe recipe) {
 
 static void threads_give_the_same_bytes(void **state) {
     (void)state;
-    for (int k = 0; k < 8; k++) {
+    for (int k = 0; k < 24; k++) {
         check_threads((struct recipe){
             .law = "linear",
             .friction = rk_friction_registry.pieces[(size_t)k % rk_friction_registry.count]->name,
             .rolling = k % 3 == 1 ? "spring" : "none",
             .tension = "cut",
             .neighbours = "cells",
+            .integrator = rk_integrator_registry.pieces[(size_t)k / 8]->name,
             .periodic = k % 2 == 0,
             .mixed = k / 2 % 2 == 0});
     }
@@ -353,10 +377,10 @@ static void held_and_released_grains_are_remembered(void **state) {
         struct recipe recipe = {"linear", friction ? "cundall-strack" : "none",
                                 "none",   "cut",
                                 "cells",  NULL,
-                                false,    true,
-                                true,     1,
-                                0.1,      NULL,
-                                NULL};
+                                NULL,     false,
+                                true,     true,
+                                1,        0.1,
+                                NULL,     NULL};
         size_t size, resumed_size;
         struct rk_scene *scene = shaken_box(&recipe, GRAINS);
         drop_grains(scene, &recipe, GRAINS);
@@ -379,8 +403,10 @@ static void held_and_released_grains_are_remembered(void **state) {
     }
 }
 
-/* A scene may be looked at as soon as it is unpacked, before any step. */
+/* A scene may be looked at as soon as it is unpacked, before any step. Contacts are measured anew:
+ * a corrector that moves grains leaves them as they were at the predicted positions. */
 static void check_look(struct recipe recipe) {
+    const double blur = strcmp(recipe.integrator, "gear5") == 0 ? 1e-5 : 0;
     size_t size;
     struct rk_scene *scene = shaken_box(&recipe, GRAINS);
     drop_grains(scene, &recipe, GRAINS);
@@ -391,16 +417,17 @@ static void check_look(struct recipe recipe) {
     free(half);
     struct rk_energy a = rk_scene_energy(scene), b = rk_scene_energy(resumed);
     assert_true(a.kinetic == b.kinetic && a.rotational == b.rotational);
-    assert_true(a.elastic == b.elastic && a.sheared == b.sheared);
+    assert_true(fabs(a.elastic - b.elastic) <= blur * a.elastic);
+    assert_true(a.sheared == b.sheared);
     struct rk_strain s = rk_scene_strain(scene), t = rk_scene_strain(resumed);
-    assert_true(s.overlap == t.overlap && s.travel == t.travel);
+    assert_true(fabs(s.overlap - t.overlap) <= blur && s.travel == t.travel);
     assert_int_equal(rk_scene_contacts(scene), rk_scene_contacts(resumed));
     for (size_t c = 0; c < rk_scene_contacts(scene); c++) {
         struct rk_contact one, other;
         rk_scene_contact(scene, c, &one);
         rk_scene_contact(resumed, c, &other);
         assert_true(one.first == other.first && one.second == other.second);
-        assert_true(one.overlap == other.overlap && one.wall == other.wall);
+        assert_true(fabs(one.overlap - other.overlap) <= blur && one.wall == other.wall);
     }
     rk_scene_free(scene);
     rk_scene_free(resumed);
@@ -416,7 +443,7 @@ static void an_unpacked_scene_can_be_looked_at(void **state) {
 static void damaged_states_do_no_harm(void **state) {
     (void)state;
     struct recipe recipe = {
-        "linear", "cundall-strack", "none", "cut", "cells", NULL, false, false, false, 1,
+        "linear", "cundall-strack", "none", "cut", "cells", NULL, NULL, false, false, false, 1,
         0.1,      "polygon",        "servo"};
     struct rk_scene *scene = shaken_box(&recipe, GRAINS);
     drop_grains(scene, &recipe, GRAINS);
@@ -449,8 +476,8 @@ static void damaged_states_do_no_harm(void **state) {
 
 static void wrong_scenes_are_refused(void **state) {
     (void)state;
-    struct recipe recipe = {"linear", "none", "none", "cut", "cells", NULL, false,
-                            false,    false,  1,      0.1,   NULL,    NULL};
+    struct recipe recipe = {"linear", "none", "none", "cut", "cells", NULL, NULL,
+                            false,    false,  false,  1,     0.1,     NULL, NULL};
     struct rk_scene *scene = shaken_box(&recipe, 2);
     struct rk_error err = RK_NO_ERROR;
     static const struct rk_grain bad[] = {
@@ -478,13 +505,13 @@ static void wrong_scenes_are_refused(void **state) {
 static void scenes_of_none_one_and_two_grains_run(void **state) {
     (void)state;
     for (size_t grains = 0; grains <= 2; grains++) {
-        struct recipe recipe = {"linear",    "cundall-strack",
-                                "none",      "cut",
-                                "cells",     NULL,
-                                grains == 1, false,
-                                false,       1,
-                                0.1,         NULL,
-                                NULL};
+        struct recipe recipe = {"linear", "cundall-strack",
+                                "none",   "cut",
+                                "cells",  NULL,
+                                NULL,     grains == 1,
+                                false,    false,
+                                1,        0.1,
+                                NULL,     NULL};
         struct rk_scene *scene = shaken_box(&recipe, grains);
         drop_grains(scene, &recipe, grains);
         step(scene, 5000);
@@ -496,9 +523,13 @@ static void scenes_of_none_one_and_two_grains_run(void **state) {
 /* Nonsense is noticed, named and explained. */
 static void a_run_gone_wrong_is_stopped_with_the_reason(void **state) {
     (void)state;
-    struct recipe recipe = {
-        "linear", "cundall-strack", "none", "cut", "cells", NULL, false, false, false, 1, 0.1, NULL,
-        NULL};
+    struct recipe recipe = {"linear", "cundall-strack",
+                            "none",   "cut",
+                            "cells",  NULL,
+                            NULL,     false,
+                            false,    false,
+                            1,        0.1,
+                            NULL,     NULL};
     struct rk_error err = RK_NO_ERROR;
     struct rk_scene *scene = shaken_box(&recipe, 2);
     struct rk_grain bullet = {.x = 5, .y = 9, .vx = 400, .radius = 0.5, .mass = 0.25};
