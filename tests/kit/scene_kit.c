@@ -189,15 +189,19 @@ double kit_imbalance(const struct rk_scene *scene) {
 
 void kit_settle(struct rk_scene *scene, double stretch, double share) {
     enum { STRETCHES = 2000 };
-    double imbalance = INFINITY;
+    double imbalance = INFINITY, last = 0;
     for (int k = 0, balanced = 0; balanced < 2; k++) {
         if (k == STRETCHES) {
             fail_msg("not at rest after %d stretches of %g: imbalance %.2e", k, stretch, imbalance);
         }
-        rk_scene_slow_down(scene, 0.5);
-        kit_run(scene, stretch);
+        kit_run(scene, stretch * (0.5 + fmod(0.618 * k, 1))); /* in step with no bouncing grain */
         imbalance = kit_imbalance(scene);
         balanced = imbalance <= share ? balanced + 1 : 0;
+        struct rk_energy e = rk_scene_energy(scene);
+        double motion = e.kinetic + e.rotational;
+        double keep = motion < last ? 0 : 0.9;
+        rk_scene_slow_down(scene, keep);
+        last = keep * keep * motion;
     }
     kit_assert_finite(scene);
 }

@@ -67,9 +67,11 @@ void kit_assert_finite(const struct rk_scene *scene);
  * grain without weight and contacts counts as balanced. */
 double kit_imbalance(const struct rk_scene *scene);
 
-/* Steps, taking half of all velocities out every `stretch` of time, until twice in a row no grain's
- * imbalance is above `share`. However long a heap rolls about before it has found its place, what
- * is tested is where it rests; fails after 2000 stretches. */
+/* Steps until twice in a row, a `stretch` of time apart, no grain's imbalance is above `share`.
+ * After each stretch a tenth of all velocities is taken out, and all when motion has become less:
+ * near a minimum of the energy therefore, which suits stiff and soft modes alike. However long a
+ * heap rolls about before it has found its place, what is tested is where it rests; fails after
+ * 2000. */
 void kit_settle(struct rk_scene *scene, double stretch, double share);
 
 /* Walls carry the weight of all grains against gravity, to `share` of it. */
