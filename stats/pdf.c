@@ -4,6 +4,7 @@
 #include "stats/numeric.h"
 #include "stats/pdf_internal.h"
 #include "stats/series.h"
+#include "stats/units.h"
 
 #include <gsl/gsl_cdf.h>
 #include <stdlib.h>
@@ -66,7 +67,7 @@ static enum rk_status correlation_of(const struct work *work, double *time, stru
     }
     *time = 0.5;
     for (int even = 0; even < 2 && status == RK_OK; even++) {
-        double found, window;
+        struct rk_correlation found;
         for (size_t s = 0; s < segments; s++) {
             const struct rk_pdf_segment *segment = &work->source.segment[s];
             first[s + 1] = first[s] + segment->count / bin;
@@ -75,11 +76,10 @@ static enum rk_status correlation_of(const struct work *work, double *time, stru
                 x[j] = average_of(&work->frame, from, bin, even);
             }
         }
-        status = rk_correlation_of(x, first, segments, &found, &window, err);
+        status = rk_correlation_of(&found, x, first, segments, err);
         if (status == RK_OK) {
             /* Below half a bin it is not resolved: white noise then, not bins of it. */
-            found = bin > 1 && found < 0.75 ? 0.5 : found * (double)bin;
-            *time = fmax(*time, found);
+            *time = fmax(*time, bin > 1 && found.time < 0.75 ? 0.5 : found.time * (double)bin);
         }
     }
     free(first);

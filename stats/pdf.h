@@ -16,7 +16,7 @@
 #define RK_STATS_PDF_H
 
 #include "base/piece.h"
-#include "stats/stats.h"
+#include "stats/data.h"
 
 /* ---- The densities ------------------------------------------------------------------------- */
 

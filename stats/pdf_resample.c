@@ -3,31 +3,12 @@
 #include "base/memory.h"
 #include "stats/numeric.h"
 #include "stats/pdf_internal.h"
+#include "stats/resample.h"
 
-#include <gsl/gsl_cdf.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- Bootstrap over units ------------------------------------------------------------------ */
-
-static void draw_units(double *multiplicity, size_t units, struct rk_stream *stream) {
-    memset(multiplicity, 0, units * sizeof *multiplicity);
-    for (size_t u = 0; u < units; u++) {
-        multiplicity[(size_t)(rk_stream_uniform(stream) * (double)units)] += 1;
-    }
-}
-
-/* The percentiles, their tails widened for few units as Student's t is (Hesterberg 2015). */
-static void percentiles(struct rk_interval *out, double *draws, size_t count, size_t units,
-                        double level) {
-    double n = (double)units;
-    double t = rk_student_quantile(0.5 + 0.5 * level, n - 1) * sqrt(n / (n - 1));
-    double tail = gsl_cdf_ugaussian_Q(t);
-    rk_sort(draws, count);
-    out->low = rk_quantile_of_draws(draws, count, tail);
-    out->high = rk_quantile_of_draws(draws, count, 1 - tail);
-    out->level = level;
-}
 
 enum rk_status rk_pdf_bootstrap(struct rk_pdf *pdf, const struct rk_pdf_source *source,
                                 const struct rk_pdf_frame *frame,
@@ -45,7 +26,7 @@ enum rk_status rk_pdf_bootstrap(struct rk_pdf *pdf, const struct rk_pdf_source *
         status = rk_fail(err, RK_EMEMORY, "no memory for %zu resamplings", count);
     }
     for (size_t d = 0; status == RK_OK && d < count; d++) {
-        draw_units(multiplicity, units, &own);
+        rk_resample_draw(multiplicity, units, &own);
         rk_pdf_rows_weigh(&rows, multiplicity);
         for (size_t f = 0; f < RK_PDF_FAMILIES; f++) {
             struct rk_pdf_curve curve = best[f];
@@ -56,7 +37,11 @@ enum rk_status rk_pdf_bootstrap(struct rk_pdf *pdf, const struct rk_pdf_source *
     for (size_t f = 0; status == RK_OK && f < RK_PDF_FAMILIES; f++) {
         pdf->fit[f].resampled.estimate = pdf->fit[f].shape.estimate;
         if (pdf->fit[f].verdict == RK_INTERVAL) {
-            percentiles(&pdf->fit[f].resampled, draws + f * count, count, units, options->level);
+            struct rk_tails tails = rk_resample_tails(units, options->level);
+            rk_sort(draws + f * count, count);
+            pdf->fit[f].resampled.low = rk_quantile_of_draws(draws + f * count, count, tails.low);
+            pdf->fit[f].resampled.high = rk_quantile_of_draws(draws + f * count, count, tails.high);
+            pdf->fit[f].resampled.level = options->level;
         }
     }
     free(multiplicity);
