@@ -34,6 +34,7 @@
 #include "stats/moments.h"
 #include "stats/pdf.h"
 #include "stats/rate.h"
+#include "stats/relax.h"
 #include "stats/resample.h"
 #include "stats/spectrum.h"
 #include "stats/spread.h"
