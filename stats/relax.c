@@ -346,6 +346,9 @@ static void fill(struct rk_relax_fit *fit, const struct work *w, const struct so
     fit->time = in_logarithm(b[LOG_TIME], t * sqrt(v[LOG_TIME][LOG_TIME]), interval, n_eff, level);
     fit->final =
         around(w->centre + w->unit * b[FINAL], w->unit * t * sqrt(v[FINAL][FINAL]), n_eff, level);
+    if (w->options->fixed) {
+        fit->final.low = fit->final.high = NAN;
+    }
     double start = whole_change(s, &error, true), change = whole_change(s, &error, false);
     start = whole_change(s, &error, true);
     fit->initial = around(w->centre + w->unit * start, w->unit * t * error, n_eff, level);
@@ -378,7 +381,9 @@ static void judge(struct rk_relax_fit *fit, const struct work *w, const struct s
     double change = whole_change(s, &error, false);
     size_t size = sizeof fit->reason;
     fit->verdict = RK_REFUSED;
-    if (!(fabs(change) > 2 * error)) {
+    if (!(error >= 0) || !isfinite(fit->time.high)) {
+        snprintf(fit->reason, size, "no relaxation is seen: no time fits better than any other");
+    } else if (!(fabs(change) > 2 * error)) {
         snprintf(fit->reason, size,
                  "no relaxation is seen: it changes by %.3g, with a standard error of %.3g",
                  w->unit * change, w->unit * error);

@@ -122,15 +122,6 @@ static enum rk_status estimate(const void *params, const struct rk_point_data *d
 
 static const char head[] = "minimum [sqrt(g d)]             intervals for a in   I(0) [sqrt(g/d)]";
 
-/* "0.056 [0.048, 0.069]", or "0.056 (no interval)" where the verdict is a point. */
-static void say_interval(char *text, size_t size, int digits, double x, double low, double high) {
-    if (isfinite(low) && isfinite(high)) {
-        snprintf(text, size, "%.*g [%.*g, %.*g]", digits, x, digits, low, digits, high);
-    } else {
-        snprintf(text, size, "%.*g (no interval)", digits, x);
-    }
-}
-
 static void headline(const struct rk_result *result, FILE *out) {
     char text[96];
     snprintf(text, sizeof text, "%.3g [%.3g, %.3g]", rk_result_number(result, "minimum"),
@@ -141,8 +132,9 @@ static void headline(const struct rk_result *result, FILE *out) {
     fprintf(out, "%-20s ", text);
     double zero = rk_result_number(result, "at_zero");
     if (isfinite(zero)) {
-        say_interval(text, sizeof text, 3, zero, rk_result_number(result, "at_zero_low"),
-                     rk_result_number(result, "at_zero_high"));
+        rk_analysis_say_interval(text, sizeof text, 3, zero,
+                                 rk_result_number(result, "at_zero_low"),
+                                 rk_result_number(result, "at_zero_high"));
         fprintf(out, "%s", text);
     } else {
         fprintf(out, "beyond the data");
@@ -150,20 +142,9 @@ static void headline(const struct rk_result *result, FILE *out) {
 }
 
 void rk_ldf_print(const struct rk_result *result, FILE *out) {
-    static const char *const rows[][2] = {
-        {"minimum", "minimum_low"}, {"at_zero", "at_zero_low"}, {"curvature", "curvature_low"}};
+    static const char *const rows[] = {"minimum", "at_zero", "curvature"};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        char high[32], text[96];
-        snprintf(high, sizeof high, "%s_high", rows[i][0]);
-        const struct rk_value *value = rk_result_find(result, rows[i][0]);
-        double x = rk_result_number(result, rows[i][0]);
-        if (isfinite(x)) {
-            say_interval(text, sizeof text, 6, x, rk_result_number(result, rows[i][1]),
-                         rk_result_number(result, high));
-            fprintf(out, "%-10s %s  %s\n", rows[i][0], text, value->doc);
-        } else {
-            fprintf(out, "%-10s refused  %s\n", rows[i][0], value->doc);
-        }
+        rk_analysis_print_interval(result, rows[i], 10, out);
     }
     fprintf(out, "%-10s %.6g  %s\n", "tau", rk_result_number(result, "tau"), "length of a window");
     fprintf(out, "%s\n", result->verdict);

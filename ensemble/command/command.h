@@ -63,6 +63,8 @@ extern const struct rk_command rk_command_analyze;
 extern const struct rk_command rk_command_check;
 extern const struct rk_command rk_command_describe;
 extern const struct rk_command rk_command_ldf;
+extern const struct rk_command rk_command_pdf;
+extern const struct rk_command rk_command_relax;
 extern const struct rk_command rk_command_run;
 extern const struct rk_command rk_command_status;
 
