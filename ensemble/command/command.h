@@ -62,6 +62,7 @@ struct rk_command {
 extern const struct rk_command rk_command_analyze;
 extern const struct rk_command rk_command_check;
 extern const struct rk_command rk_command_describe;
+extern const struct rk_command rk_command_forces;
 extern const struct rk_command rk_command_ldf;
 extern const struct rk_command rk_command_pdf;
 extern const struct rk_command rk_command_relax;

@@ -55,12 +55,13 @@ int rk_data_main(const struct rk_data_command *command, const char *operand,
      .fallback = "0", .high = 1e9, .doc = "leave out what is after; 0 is the end"},               \
     {.name = "interval", .type = RK_OPTION_REAL, RK_DATA_ROW(of, interval), .argument = "T",      \
      .fallback = "1", .low = 1e-300, .high = 1e300, .doc = "time between two samples of a file"}, \
-    RK_DATA_SOURCE_ROWS(of)
-#define RK_DATA_SOURCE_ROWS(of)                                                                   \
+    RK_DATA_FILE_ROWS(of), RK_DATA_STUDY_ROWS(of)
+#define RK_DATA_FILE_ROWS(of)                                                                   \
     {.name = "column", .letter = 'c', .type = RK_OPTION_TEXT, RK_DATA_ROW(of, column),            \
      .argument = "NAME", .doc = "column of a CSV file, by name or number"},                       \
     {.name = "replica", .letter = 'r', .type = RK_OPTION_TEXT, RK_DATA_ROW(of, replica),          \
-     .argument = "NAME", .doc = "column that says which replica a row is of"},                    \
+     .argument = "NAME", .doc = "column that says which replica a row is of"}
+#define RK_DATA_STUDY_ROWS(of)                                                                    \
     {.name = "point", .letter = 'p', .type = RK_OPTION_TEXT, RK_DATA_ROW(of, point),              \
      .argument = "NAME", .doc = "point of a study"},                                              \
     {.name = "observable", .type = RK_OPTION_TEXT, RK_DATA_ROW(of, observable),                   \
