@@ -46,7 +46,7 @@ static double average_of(const struct rk_pdf_frame *frame, const double *x, size
     double sum = 0;
     for (size_t i = 0; i < count; i++) {
         double z = x[i] / frame->unit - frame->centre / frame->unit, square = z * z;
-        sum += even ? log1p(square) : z / sqrt(1 + square);
+        sum += even ? square / (1 + square) : z / sqrt(1 + square);
     }
     return sum / (double)count;
 }

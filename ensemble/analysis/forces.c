@@ -81,7 +81,8 @@ void rk_forces_print(const struct rk_result *result, FILE *out) {
 
 static void picture(const struct rk_picture *p, FILE *out) {
     rk_plot_begin_panels(p, "force over the mean force", out);
-    fprintf(out, "set logscale y\nset format y \"10^{%%T}\"\nset key below vertical height 1.2\n");
+    fprintf(out, "set logscale y\nset format y \"10^{%%T}\"\nset key below vertical height 1.2 "
+                 "font \",12\"\n");
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
         const struct rk_result *r = panel->result;

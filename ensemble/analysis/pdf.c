@@ -299,7 +299,8 @@ static void picture(const struct rk_picture *p, FILE *out) {
     snprintf(xlabel, sizeof xlabel, "%s",
              p->quantity ? p->quantity : "vertical velocity of the intruder [sqrt(g d)]");
     rk_plot_begin_panels(p, xlabel, out);
-    fprintf(out, "set logscale y\nset format y \"10^{%%T}\"\nset key below vertical height 1.2\n");
+    fprintf(out, "set logscale y\nset format y \"10^{%%T}\"\nset key below vertical height 1.2 "
+                 "font \",12\"\n");
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
         rk_plot_panel(p, i, "probability density", out);

@@ -66,6 +66,7 @@ extern const struct rk_command rk_command_forces;
 extern const struct rk_command rk_command_ldf;
 extern const struct rk_command rk_command_pdf;
 extern const struct rk_command rk_command_relax;
+extern const struct rk_command rk_command_resonance;
 extern const struct rk_command rk_command_run;
 extern const struct rk_command rk_command_status;
 

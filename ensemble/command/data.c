@@ -51,7 +51,7 @@ static bool same_file(const char *a, const char *b) {
 }
 
 /* What is written beside a picture must not take the place of the data it is made from. */
-static enum rk_status spare_data(const char *operand, const char *plot, struct rk_error *err) {
+enum rk_status rk_data_spare(const char *operand, const char *plot, struct rk_error *err) {
     static const char *const endings[] = {"csv", "gp", "png"};
     const char *dot = strrchr(plot, '.');
     for (size_t i = 0; dot && i < sizeof endings / sizeof *endings; i++) {
@@ -211,9 +211,8 @@ static void print(const struct rk_data_command *command, const struct rk_data_op
     }
 }
 
-static int analyse(const struct rk_data_command *command, const char *operand,
-                   const struct rk_data_options *o, const void *options,
-                   const struct rk_data *data) {
+int rk_data_give(const struct rk_data_command *command, const char *operand,
+                 const struct rk_data_options *o, const void *options, const struct rk_data *data) {
     struct rk_error err = RK_NO_ERROR;
     struct rk_result result;
     int code = RK_EXIT_DONE;
@@ -246,7 +245,7 @@ int rk_data_main(const struct rk_data_command *command, const char *operand,
     struct rk_study *study = NULL;
     enum rk_status status;
     if (check_options(o, is_folder(operand), &err) != RK_OK ||
-        (o->plot && spare_data(operand, o->plot, &err) != RK_OK)) {
+        (o->plot && rk_data_spare(operand, o->plot, &err) != RK_OK)) {
         return rk_complain(&err);
     }
     if (is_folder(operand)) {
@@ -264,7 +263,7 @@ int rk_data_main(const struct rk_data_command *command, const char *operand,
         code = rk_complain(&err);
         code = err.status == RK_EIO && !study ? RK_EXIT_USAGE : code;
     } else {
-        code = analyse(command, operand, o, options, &data);
+        code = rk_data_give(command, operand, o, options, &data);
     }
     rk_samples_clear(&data.samples);
     rk_study_free(study);
