@@ -42,6 +42,8 @@ struct rk_ldf_limit {
      * with two windows. Above 3 the shortest window is too short. */
     double misfit;
     struct rk_interval curvature; /* lambda''(0) of the limit: tau var, extrapolated likewise */
+    struct rk_interval at_zero;   /* I(0) of the limit; NaN beyond the points, no interval beyond
+                                     those that have one */
     double level;
     char text[400]; /* the verdict in plain sentences */
 };

@@ -22,7 +22,7 @@ struct work {
     double *table;     /* [quantities][windows][replicates] */
     double *line;      /* [quantities][windows] how the slope weighs the windows */
     double *one;       /* [points] lambda of one resample */
-    double *rows;      /* [points + 1][replicates] for percentiles */
+    double *rows;      /* [points + 2][replicates] for percentiles */
     double *rates;     /* [points][replicates] */
     size_t low, high;  /* points that no window refuses */
 };
@@ -187,11 +187,46 @@ static void fill_estimates(struct work *work) {
                                             (double)limit->ldf[n - 1]->units, limit->level};
 }
 
+/* I(0), and whether it may have an interval: a = 0 lies between points that have one. */
+static bool fill_at_zero(struct work *work) {
+    struct rk_ldf_limit *limit = work->limit;
+    bool below[2] = {false, false}, above[2] = {false, false}; /* any point; one with interval */
+    for (size_t i = work->low; i <= work->high; i++) {
+        bool sure = limit->verdict[i] == RK_INTERVAL;
+        below[0] = below[0] || limit->mean[i] <= 0;
+        above[0] = above[0] || limit->mean[i] >= 0;
+        below[1] = below[1] || (sure && limit->mean[i] <= 0);
+        above[1] = above[1] || (sure && limit->mean[i] >= 0);
+        work->one[i] = limit_of(work, i);
+    }
+    limit->at_zero = (struct rk_interval){NAN, NAN, NAN, limit->curvature.n_eff, limit->level};
+    if (below[0] && above[0]) {
+        limit->at_zero.estimate = fmax(rate_at(work, work->one, 0), 0);
+    }
+    return below[1] && above[1];
+}
+
+static void fill_scalars(struct work *work, struct rk_tails tails, bool zero) {
+    struct rk_ldf_limit *limit = work->limit;
+    double *curvature = work->rows + work->points * work->replicates;
+    struct rk_tails ends =
+        rk_ldf_percentiles(curvature, work->replicates, tails, limit->curvature.estimate);
+    limit->curvature.low = ends.low;
+    limit->curvature.high = ends.high;
+    if (zero) {
+        ends = rk_ldf_percentiles(curvature + work->replicates, work->replicates, tails,
+                                  limit->at_zero.estimate);
+        limit->at_zero.low = fmax(ends.low, 0);
+        limit->at_zero.high = fmax(ends.high, 0);
+    }
+}
+
 static void fill_intervals(struct work *work) {
     struct rk_ldf_limit *limit = work->limit;
     size_t replicates = work->replicates;
     struct rk_tails tails = rk_resample_tails(limit->ldf[0]->units, limit->level), ends;
-    double *curvature = work->rows + work->points * replicates;
+    double *curvature = work->rows + work->points * replicates, *at_zero = curvature + replicates;
+    bool zero = fill_at_zero(work);
     for (size_t b = 0; b < replicates; b++) {
         for (size_t i = 0; i < work->points; i++) {
             work->one[i] = work->rows[i * replicates + b] = limit_in(work, i, b);
@@ -200,6 +235,7 @@ static void fill_intervals(struct work *work) {
             work->rates[i * replicates + b] = rate_at(work, work->one, limit->mean[i]);
         }
         curvature[b] = limit_in(work, 2 * work->points, b);
+        at_zero[b] = rate_at(work, work->one, 0);
     }
     for (size_t i = 0; i < work->points; i++) {
         if (limit->verdict[i] == RK_INTERVAL) {
@@ -213,9 +249,7 @@ static void fill_intervals(struct work *work) {
             limit->rate_high[i] = fmax(ends.high, 0);
         }
     }
-    ends = rk_ldf_percentiles(curvature, replicates, tails, limit->curvature.estimate);
-    limit->curvature.low = ends.low;
-    limit->curvature.high = ends.high;
+    fill_scalars(work, tails, zero);
 }
 
 /* The slope between the two longest windows less that between the two shortest, at point i. */
@@ -287,7 +321,7 @@ static bool allocate(struct work *work) {
     work->line = rk_array_create(rows, sizeof(double));
     work->table = rk_array_create(rows, work->replicates * sizeof(double));
     work->one = rk_array_create(work->points, sizeof(double));
-    work->rows = rk_array_create(work->points + 1, work->replicates * sizeof(double));
+    work->rows = rk_array_create(work->points + 2, work->replicates * sizeof(double));
     work->rates = rk_array_create(work->points, work->replicates * sizeof(double));
     return work->estimate && work->line && work->table && work->one && work->rows && work->rates;
 }

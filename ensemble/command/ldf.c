@@ -1,323 +1,99 @@
-/* reckon ldf: the large-deviation function of a point of a study, of any HDF5 dataset or of any
- * column of a CSV file. */
-#include "ensemble/analysis/ldf.h"
-#include "ensemble/analysis/json.h"
+/* reckon ldf: the large-deviation function of a point of a study, of a run, of any HDF5 dataset or
+ * of any column of a CSV file. */
 #include "ensemble/analysis/report.h"
 #include "ensemble/command/command.h"
-#include "ensemble/input/dataset.h"
-#include "ensemble/input/table.h"
-#include "ensemble/store/columns.h"
-#include "ensemble/store/files.h"
+#include "ensemble/command/ldf_parts.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
+#include <stddef.h>
 
-struct ldf_options {
-    const char *column, *replica, *point, *observable;
-    bool integral, json, csv;
-    uint64_t window, from, to, points, bootstrap, seed;
-    double interval, level, k_low, k_high;
-    const char *plot;
-};
-
-/* What is analysed, and how its numbers are called. */
-struct input {
-    struct rk_samples samples;
-    double interval;
-    bool integral;
-    uint64_t scale; /* intervals in the unit that window, from and to are given in */
-    struct rk_ldf_units units;
-    struct rk_stream stream;
-};
-
-static bool is_folder(const char *path) {
-    struct stat about;
-    return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
-}
-
-/* "file.h5:/path/to/dataset": where the path begins, or NULL. */
-static const char *dataset_in(const char *operand) {
-    struct stat about;
-    const char *found = NULL;
-    for (const char *c = operand; (c = strstr(c, ":/")) != NULL; c++) {
-        found = c + 1;
-    }
-    return found && stat(operand, &about) != 0 ? found : NULL;
-}
-
-/* An option that would be passed over is a misunderstanding, not a wish. */
-static enum rk_status check_options(const struct ldf_options *o, bool folder,
-                                    struct rk_error *err) {
-    if (o->json && o->csv) {
-        return rk_fail(err, RK_EINVALID, "--json and --csv: choose one of them");
-    }
-    if (folder && (o->column || o->replica)) {
-        return rk_fail(err, RK_EINVALID, "--column and --replica are for CSV files");
-    }
-    if (folder && o->interval != 1) {
-        return rk_fail(err, RK_EINVALID, "--interval is for files: a study knows its own");
-    }
-    if (!folder && (o->point || strcmp(o->observable, RK_REPORT_OBSERVABLE) != 0)) {
-        return rk_fail(err, RK_EINVALID, "--point and --observable are for the folder of a study");
-    }
-    return RK_OK;
-}
-
-static bool same_file(const char *a, const char *b) {
-    struct stat first, second;
-    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
-           first.st_ino == second.st_ino;
-}
-
-/* What is written beside a picture must not take the place of the data it is made from. */
-static enum rk_status spare_data(const char *operand, const char *plot, struct rk_error *err) {
-    static const char *const endings[] = {"csv", "gp", "png"};
-    const char *dot = strrchr(plot, '.');
-    for (size_t i = 0; dot && i < sizeof endings / sizeof *endings; i++) {
-        struct rk_path beside;
-        enum rk_status status =
-            rk_path_set(&beside, err, "%.*s%s", (int)(dot + 1 - plot), plot, endings[i]);
-        if (status != RK_OK) {
-            return status;
-        }
-        if (same_file(operand, beside.text)) {
-            return rk_fail(err, RK_EINVALID,
-                           "--plot %.200s would write over the data in '%.200s'; choose another "
-                           "name",
-                           plot, operand);
+/* The first part that was asked for and refused. */
+static enum rk_status find_refusal(const struct rk_ldf_parts *parts, struct rk_error *err) {
+    static const char *const what[RK_LDF_PARTS] = {[RK_LDF_LIMIT] = "limit of long windows",
+                                                   [RK_LDF_DIRECT] = "histogram",
+                                                   [RK_LDF_SYMMETRY] = "symmetry function",
+                                                   [RK_LDF_COMPARISON] = "comparison"};
+    for (size_t i = 0; i < RK_LDF_PARTS; i++) {
+        const struct rk_ldf_part *part = &parts->part[i];
+        if (what[i] && part->asked && part->status != RK_OK) {
+            return rk_fail(err, part->status, "%s: %.400s", what[i], part->result.verdict);
         }
     }
     return RK_OK;
 }
 
-static enum rk_status read_file(const char *operand, const struct ldf_options *o,
-                                struct input *input, struct rk_error *err) {
-    const char *path = dataset_in(operand);
-    *input = (struct input){.interval = o->interval,
-                            .integral = o->integral,
-                            .scale = 1,
-                            .units = {"", "", "", ""},
-                            .stream = rk_stream_of(o->seed, 0, 0, RK_FOR_BOOTSTRAP, 0)};
-    if (!path && strstr(operand, ".h5:")) {
-        return rk_fail(err, RK_EINVALID, "%.200s: the name of a dataset begins with '/'", operand);
-    }
-    if (!path) {
-        const struct rk_table_request request = {o->column, o->replica, 0};
-        return rk_table_read(operand, &request, &input->samples, err);
-    }
-    if (o->column || o->replica) {
-        return rk_fail(err, RK_EINVALID, "--column and --replica are for CSV files");
-    }
-    char *file = strndup(operand, (size_t)(path - 1 - operand));
-    if (!file) {
-        return rk_fail(err, RK_EMEMORY, "out of memory");
-    }
-    enum rk_status status = rk_dataset_read(file, path, &input->samples, err);
-    free(file);
-    return status;
-}
-
-static const char *point_name(const void *list, size_t i) {
-    return ((const struct rk_point *)list)[i].name;
-}
-
-static const char *observable_name(const void *list, size_t i) {
-    return ((const char(*)[RK_PARAM_PATH])list)[i];
-}
-
-static enum rk_status find_point(const struct rk_study *study, const char *name, size_t *index,
-                                 struct rk_error *err) {
-    if (!name && study->point_count == 1) {
-        *index = 0;
-        return RK_OK;
-    }
-    if (!name) {
-        return rk_fail(err, RK_EINVALID, "the study has %zu points; say which one: --point %s",
-                       study->point_count, study->points[0].name);
-    }
-    for (size_t i = 0; i < study->point_count; i++) {
-        if (strcmp(study->points[i].name, name) == 0) {
-            *index = i;
-            return RK_OK;
-        }
-    }
-    const char *nearest = rk_nearest_name(name, study->point_count, point_name, study->points);
-    return rk_fail(err, RK_EINVALID, "the study has no point '%.64s'%s", name,
-                   rk_hint_of(nearest, "").text);
-}
-
-/* "probe.column" of the study's case; a near miss is named. */
-static enum rk_status check_observable(const struct rk_case *scene, const char *name,
-                                       struct rk_error *err) {
-    char known[256][RK_PARAM_PATH];
+/* From the data to the answer; what is there is printed, whatever part is refused. */
+static enum rk_status answer(const struct rk_ldf_wish *o, struct rk_ldf_request *request,
+                             const struct rk_ldf_input *input, const struct rk_ldf_input *other,
+                             struct rk_error *err) {
+    uint64_t windows[RK_LDF_WINDOWS_MOST];
     size_t count = 0;
-    for (size_t p = 0; p < scene->probes->count; p++) {
-        const struct rk_probe *probe = rk_columns_probe(scene, p);
-        for (size_t c = 0; c < probe->count && count < 256; c++) {
-            snprintf(known[count], sizeof known[count], "%s.%s", probe->piece.name,
-                     probe->columns[c].name);
-            if (strcmp(known[count++], name) == 0) {
-                return RK_OK;
-            }
-        }
+    struct rk_ldf_parts parts = {0};
+    enum rk_status status = rk_ldf_wish_resolve(o, request, windows, &count, err);
+    if (status == RK_OK) {
+        status = rk_ldf_parts_make(&parts, o, &request->options, windows, count, input, other, err);
     }
-    const char *nearest = rk_nearest_name(name, count, observable_name, known);
-    return rk_fail(err, RK_EINVALID, "there is no observable '%.64s'%s", name,
-                   rk_hint_of(nearest, "; they are called probe.column").text);
+    if (status == RK_OK) {
+        enum rk_status drawn = o->plot ? rk_ldf_parts_plot(&parts, o->plot, err) : RK_OK;
+        if (drawn != RK_EINVALID) { /* the numbers are there without the picture */
+            rk_ldf_parts_print(&parts, o, input);
+        }
+        status = drawn != RK_OK ? drawn : find_refusal(&parts, err);
+    }
+    rk_ldf_parts_clear(&parts);
+    return status;
 }
 
-static void warn(void *context, const char *line) {
-    (void)context;
-    rk_warn("%s", line);
-}
-
-static enum rk_status read_folder(const char *folder, const struct rk_study *study,
-                                  const struct ldf_options *o, struct input *input,
+/* The data, and those to compare them with: another point of the folder, or another file. */
+static enum rk_status read_inputs(const char *operand, const struct rk_study *study,
+                                  const struct rk_ldf_wish *o, struct rk_ldf_input inputs[2],
                                   struct rk_error *err) {
-    const struct rk_notice notice = {warn, NULL};
-    struct rk_plan *plan = NULL;
-    struct rk_gathered g = {0};
-    size_t p = 0;
-    enum rk_status status = find_point(study, o->point, &p, err);
-    if (status == RK_OK) {
-        status = check_observable(study->scene, o->observable, err);
+    enum rk_status status = rk_ldf_input_read(&inputs[0], operand, study, o->point, o, err);
+    if (status == RK_OK && o->compare) {
+        operand = study ? operand : o->compare;
+        status = rk_ldf_input_read(&inputs[1], operand, study, o->compare, o, err);
     }
-    if (status == RK_OK) {
-        status = rk_command_plan_folder(folder, study, &plan, err);
-    }
-    if (status == RK_OK) {
-        status = rk_gather(folder, plan, p, o->observable, &notice, &g, err);
-    }
-    if (status == RK_OK && g.done == 0) {
-        status = rk_fail(err, RK_EIO, "no run of point '%s' is done yet", study->points[p].name);
-    }
-    if (status == RK_OK && g.failed + g.missing > 0) {
-        rk_warn("point '%s': %zu of %zu runs are used, %zu failed, %zu are missing",
-                study->points[p].name, g.done, g.done + g.failed + g.missing, g.failed, g.missing);
-    }
-    if (status == RK_OK) {
-        struct rk_schedule schedule = study->scene->schedule(study->points[p].params);
-        *input = (struct input){
-            .samples = {g.values, g.lengths, g.done, g.samples},
-            .interval = g.interval,
-            .integral = o->integral || strcmp(o->observable, RK_REPORT_OBSERVABLE) == 0,
-            .scale = schedule.samples_per_period,
-            .units = {"", "sqrt(d/g)", "", ""},
-            .stream = rk_stream_of(study->seed, study->points[p].key, 0, RK_FOR_BOOTSTRAP, 0)};
-        g.values = NULL;
-        g.lengths = NULL;
-    }
-    rk_gathered_clear(&g);
-    rk_plan_free(plan);
-    return status;
-}
-
-static enum rk_status estimate(const struct ldf_options *o, const struct input *input,
-                               struct rk_result *result, struct rk_error *err) {
-    const struct rk_samples *s = &input->samples;
-    struct rk_series series = {s->values,  s->replicas, s->samples,
-                               s->samples, s->lengths,  input->interval};
-    struct rk_ldf_options options = {
-        .window = o->window * input->scale,
-        .from = o->from * input->scale,
-        .to = o->to * input->scale,
-        .bootstrap = o->bootstrap,
-        .points = o->points,
-        .level = o->level,
-        .k_low = isnan(o->k_low) ? 0 : o->k_low,
-        .k_high = isnan(o->k_high) ? 0 : o->k_high,
-    };
-    struct rk_ldf *ldf;
-    enum rk_status status =
-        rk_ldf_estimate(&ldf, &series, input->integral ? RK_SERIES_INTEGRAL : RK_SERIES_RATE,
-                        &options, &input->stream, err);
-    if (status == RK_OK) {
-        rk_ldf_fill(result, ldf, &input->units);
-        rk_ldf_free(ldf);
-        if (result->short_of_memory) {
-            status = rk_fail(err, RK_EMEMORY, "out of memory");
-        }
+    if (study) {
+        rk_error_locate(err, "%s", operand);
     }
     return status;
-}
-
-static void print(const struct ldf_options *o, const struct input *input,
-                  const struct rk_result *result) {
-    if (o->json) {
-        struct rk_json json = rk_json_of(stdout);
-        rk_json_open_map(&json, NULL);
-        rk_json_count(&json, "replicas", input->samples.replicas);
-        rk_json_number(&json, "interval", input->interval);
-        rk_json_flag(&json, "integral", input->integral);
-        rk_result_write_json(result, &json);
-        rk_json_close(&json);
-    } else if (o->csv) {
-        rk_result_write_csv(result, stdout);
-    } else {
-        rk_ldf_print(result, stdout);
-    }
-}
-
-static int analyse(const char *operand, const struct ldf_options *o, struct input *input) {
-    struct rk_error err = RK_NO_ERROR;
-    struct rk_result result;
-    int code = RK_EXIT_DONE;
-    rk_result_init(&result);
-    enum rk_status status = estimate(o, input, &result, &err);
-    bool worth_printing = status == RK_OK;
-    if (status == RK_OK && o->plot) {
-        status = rk_ldf_plot(&result, o->plot, &err);
-        worth_printing = status != RK_EINVALID; /* the numbers are there without the picture */
-    }
-    if (worth_printing) {
-        print(o, input, &result);
-    }
-    if (status != RK_OK) {
-        rk_error_locate(&err, "%s", operand);
-        code = rk_complain(&err);
-    }
-    rk_result_clear(&result);
-    return code;
 }
 
 static int ldf(const void *options, size_t count, char *const *operands) {
     (void)count;
-    const struct ldf_options *o = options;
+    const struct rk_ldf_wish *o = options;
     const char *operand = operands[0];
     struct rk_error err = RK_NO_ERROR;
-    struct input input = {0};
+    struct rk_ldf_input inputs[2] = {{0}, {0}};
     struct rk_study *study = NULL;
-    enum rk_status status;
-    if (check_options(o, is_folder(operand), &err) != RK_OK ||
-        (o->plot && spare_data(operand, o->plot, &err) != RK_OK)) {
+    if (rk_ldf_wish_check(o, operand, &err) != RK_OK) {
         return rk_complain(&err);
     }
-    if (is_folder(operand)) {
+    if (rk_ldf_input_is_folder(operand)) {
         int code = rk_command_load_folder(operand, &study);
         if (code != RK_EXIT_DONE) {
             return code;
         }
-        status = read_folder(operand, study, o, &input, &err);
-        rk_error_locate(&err, "%s", operand);
-    } else {
-        status = read_file(operand, o, &input, &err);
     }
     int code = RK_EXIT_DONE;
+    enum rk_status status = read_inputs(operand, study, o, inputs, &err);
     if (status != RK_OK) {
         code = rk_complain(&err);
         code = err.status == RK_EIO && !study ? RK_EXIT_USAGE : code;
     } else {
-        code = analyse(operand, o, &input);
+        struct rk_ldf_request request = rk_ldf_request_of(study);
+        status = answer(o, &request, &inputs[0], o->compare ? &inputs[1] : NULL, &err);
+        if (status != RK_OK) {
+            rk_error_locate(&err, "%s", operand);
+            code = rk_complain(&err);
+        }
     }
-    rk_samples_clear(&input.samples);
+    rk_samples_clear(&inputs[0].samples);
+    rk_samples_clear(&inputs[1].samples);
     rk_study_free(study);
     return code;
 }
 
-#define AT(member) .offset = offsetof(struct ldf_options, member)
+#define AT(member) .offset = offsetof(struct rk_ldf_wish, member)
 
 static const struct rk_option options[] = {
     {.name = "window",
@@ -325,24 +101,46 @@ static const struct rk_option options[] = {
      .type = RK_OPTION_COUNT,
      AT(window),
      .argument = "N",
-     .fallback = "5",
      .low = 1,
      .high = 1e9,
-     .doc = "length of the windows: samples, or periods of a study"},
+     .doc = "length of the windows: samples, or periods of a study; the study's, or 5"},
+    {.name = "windows",
+     .type = RK_OPTION_TEXT,
+     AT(windows),
+     .argument = "N,N,..",
+     .doc = "several lengths: their table and the limit of long windows"},
     {.name = "from",
-     .type = RK_OPTION_COUNT,
+     .type = RK_OPTION_REAL,
      AT(from),
      .argument = "N",
-     .fallback = "0",
      .high = 1e9,
-     .doc = "leave out what is before (in the same unit)"},
+     .doc = "leave out what is before (in the same unit); the study's, or 0"},
     {.name = "to",
-     .type = RK_OPTION_COUNT,
+     .type = RK_OPTION_REAL,
      AT(to),
      .argument = "N",
-     .fallback = "0",
      .high = 1e9,
-     .doc = "leave out what is after; 0 is the end"},
+     .doc = "leave out what is after; the study's, or 0, the end"},
+    {.name = "symmetry",
+     .type = RK_OPTION_FLAG,
+     AT(symmetry),
+     .doc = "also I(-a) - I(a) and its slope"},
+    {.name = "direct",
+     .type = RK_OPTION_FLAG,
+     AT(direct),
+     .doc = "also the rate function from a histogram of the windows"},
+    {.name = "bins",
+     .type = RK_OPTION_COUNT,
+     AT(bins),
+     .argument = "N",
+     .low = 1,
+     .high = 1000,
+     .doc = "of that histogram; chosen from the data otherwise"},
+    {.name = "compare",
+     .type = RK_OPTION_TEXT,
+     AT(compare),
+     .argument = "OTHER",
+     .doc = "another point of the study, or another file: where do they differ?"},
     {.name = "integral",
      .letter = 'i',
      .type = RK_OPTION_FLAG,
@@ -352,10 +150,9 @@ static const struct rk_option options[] = {
      .type = RK_OPTION_REAL,
      AT(interval),
      .argument = "T",
-     .fallback = "1",
      .low = 1e-300,
      .high = 1e300,
-     .doc = "time between two samples of a file"},
+     .doc = "time between two samples of a file; 1 otherwise"},
     {.name = "column",
      .letter = 'c',
      .type = RK_OPTION_TEXT,
@@ -379,15 +176,14 @@ static const struct rk_option options[] = {
      AT(observable),
      .argument = "NAME",
      .fallback = RK_REPORT_OBSERVABLE,
-     .doc = "of a study"},
+     .doc = "of a study or a run"},
     {.name = "points",
      .type = RK_OPTION_COUNT,
      AT(points),
      .argument = "N",
-     .fallback = "81",
      .low = 5,
      .high = 10001,
-     .doc = "points of the curve, an odd number"},
+     .doc = "points of the curve, an odd number; the study's, or 81"},
     {.name = "k-low",
      .type = RK_OPTION_REAL,
      AT(k_low),
@@ -406,18 +202,16 @@ static const struct rk_option options[] = {
      .type = RK_OPTION_COUNT,
      AT(bootstrap),
      .argument = "N",
-     .fallback = "1000",
      .low = 100,
      .high = 1e6,
-     .doc = "resamplings behind the intervals"},
+     .doc = "resamplings behind the intervals; the study's, or 1000"},
     {.name = "level",
      .type = RK_OPTION_REAL,
      AT(level),
      .argument = "P",
-     .fallback = "0.95",
      .low = 0.5,
      .high = 0.999,
-     .doc = "probability that an interval is to cover"},
+     .doc = "probability that an interval is to cover; the study's, or 0.95"},
     {.name = "seed",
      .type = RK_OPTION_COUNT,
      AT(seed),
@@ -431,21 +225,24 @@ static const struct rk_option options[] = {
      .argument = "FILE.png",
      .doc = "picture, its script (.gp) and table (.csv) beside it"},
     {.name = "json", .type = RK_OPTION_FLAG, AT(json), .doc = "everything as JSON"},
-    {.name = "csv", .type = RK_OPTION_FLAG, AT(csv), .doc = "the curve as CSV"},
+    {.name = "csv",
+     .type = RK_OPTION_FLAG,
+     AT(csv),
+     .doc = "the curve as CSV; of --windows, --direct, --symmetry or --compare theirs"},
 };
 
 const struct rk_command rk_command_ldf = {
     .name = "ldf",
     .summary = "large-deviation function of a study, an HDF5 dataset or a CSV column",
-    .usage = "DIR --point NAME | FILE.h5:/DATASET | FILE.csv [OPTIONS]",
+    .usage = "DIR --point NAME | RUN.h5 | FILE.h5:/DATASET | FILE.csv [OPTIONS]",
     .about =
         "Averages the data over windows and estimates how improbable each average is,\n"
         "p(A = a) ~ exp(-tau I(a)), with intervals from resampling whole replicas. What the\n"
         "data cannot support is refused. A dataset has one dimension (time) or two (replica x\n"
-        "time).",
+        "time). For a study, what is not given is as its own analysis `ldf` has it.",
     .options = options,
     .option_count = sizeof options / sizeof *options,
-    .size = sizeof(struct ldf_options),
+    .size = sizeof(struct rk_ldf_wish),
     .operands_min = 1,
     .operands_max = 1,
     .example = "reckon ldf heights.csv --column height --replica run --integral --window 20",
