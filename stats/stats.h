@@ -36,6 +36,7 @@
 #include "stats/ldf_limit.h"
 #include "stats/ldf_symmetry.h"
 #include "stats/moments.h"
+#include "stats/pdf.h"
 #include "stats/rate.h"
 #include "stats/resample.h"
 #include "stats/spectrum.h"

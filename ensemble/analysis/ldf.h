@@ -53,11 +53,4 @@ void rk_ldf_draw_direct(const struct rk_picture *picture, FILE *out);
 void rk_ldf_draw_symmetry(const struct rk_picture *picture, FILE *out);
 void rk_ldf_draw_comparison(const struct rk_picture *picture, FILE *out);
 
-/* Draw a result at `path`, which ends in ".png", `ending` put before that ("" or "-limit"), its
- * table and script beside it. RK_EINVALID: no such name; RK_EIO: cannot be written or drawn. */
-enum rk_status rk_ldf_plot(const struct rk_result *result, const char *path, const char *ending,
-                           const char *title,
-                           void (*draw)(const struct rk_picture *picture, FILE *out),
-                           struct rk_error *err);
-
 #endif

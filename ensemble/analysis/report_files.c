@@ -1,5 +1,4 @@
 /* A report as files: tables, JSON, gnuplot scripts and pictures. */
-#include "ensemble/analysis/ldf.h"
 #include "ensemble/analysis/plot.h"
 #include "ensemble/analysis/private.h"
 #include "ensemble/analysis/report.h"
@@ -191,10 +190,10 @@ static enum rk_status split_path(const char *path, char folder[4096], char name[
     return RK_OK;
 }
 
-enum rk_status rk_ldf_plot(const struct rk_result *result, const char *path, const char *ending,
-                           const char *title,
-                           void (*draw_it)(const struct rk_picture *picture, FILE *out),
-                           struct rk_error *err) {
+enum rk_status rk_report_plot_as(const struct rk_picture *model, const char *ending,
+                                 void (*draw_it)(const struct rk_picture *picture, FILE *out),
+                                 const struct rk_result *result, const char *path,
+                                 struct rk_error *err) {
     char folder[4096], base[RK_NAME], name[RK_NAME + 16], table[RK_NAME + 24], script[RK_NAME + 24];
     enum rk_status status = split_path(path, folder, base, err);
     if (status != RK_OK) {
@@ -204,7 +203,7 @@ enum rk_status rk_ldf_plot(const struct rk_result *result, const char *path, con
     snprintf(table, sizeof table, "%s.csv", name);
     snprintf(script, sizeof script, "%s.gp", name);
     const struct rk_panel panel = {base, table, result};
-    const struct rk_picture picture = {name, title, "observable averaged", &panel, 1};
+    const struct rk_picture picture = {name, model->title, model->quantity, &panel, 1};
     struct page page = {
         .result = result, .picture = &picture, .draw = draw_it, .write = write_columns};
     status = write_file(folder, table, &page, err);
@@ -213,4 +212,11 @@ enum rk_status rk_ldf_plot(const struct rk_result *result, const char *path, con
         status = write_file(folder, script, &page, err);
     }
     return status == RK_OK ? rk_plot_run(folder, script, err) : status;
+}
+
+enum rk_status rk_report_plot(const struct rk_analysis *analysis, const char *title,
+                              const char *quantity, const struct rk_result *result,
+                              const char *path, struct rk_error *err) {
+    const struct rk_picture model = {.title = title, .quantity = quantity};
+    return rk_report_plot_as(&model, "", analysis->methods->picture, result, path, err);
 }

@@ -1,7 +1,6 @@
 /* reckon ldf: the large-deviation function of a point of a study, of a run, of any HDF5 dataset or
  * of any column of a CSV file. */
 #include "ensemble/analysis/report.h"
-#include "ensemble/command/command.h"
 #include "ensemble/command/ldf_parts.h"
 
 #include <stddef.h>
@@ -23,19 +22,19 @@ static enum rk_status find_refusal(const struct rk_ldf_parts *parts, struct rk_e
 
 /* From the data to the answer; what is there is printed, whatever part is refused. */
 static enum rk_status answer(const struct rk_ldf_wish *o, struct rk_ldf_request *request,
-                             const struct rk_ldf_input *input, const struct rk_ldf_input *other,
+                             const struct rk_data *data, const struct rk_data *other,
                              struct rk_error *err) {
     uint64_t windows[RK_LDF_WINDOWS_MOST];
     size_t count = 0;
     struct rk_ldf_parts parts = {0};
     enum rk_status status = rk_ldf_wish_resolve(o, request, windows, &count, err);
     if (status == RK_OK) {
-        status = rk_ldf_parts_make(&parts, o, &request->options, windows, count, input, other, err);
+        status = rk_ldf_parts_make(&parts, o, &request->options, windows, count, data, other, err);
     }
     if (status == RK_OK) {
-        enum rk_status drawn = o->plot ? rk_ldf_parts_plot(&parts, o->plot, err) : RK_OK;
+        enum rk_status drawn = o->data.plot ? rk_ldf_parts_plot(&parts, o->data.plot, err) : RK_OK;
         if (drawn != RK_EINVALID) { /* the numbers are there without the picture */
-            rk_ldf_parts_print(&parts, o, input);
+            rk_ldf_parts_print(&parts, o, data);
         }
         status = drawn != RK_OK ? drawn : find_refusal(&parts, err);
     }
@@ -45,15 +44,12 @@ static enum rk_status answer(const struct rk_ldf_wish *o, struct rk_ldf_request 
 
 /* The data, and those to compare them with: another point of the folder, or another file. */
 static enum rk_status read_inputs(const char *operand, const struct rk_study *study,
-                                  const struct rk_ldf_wish *o, struct rk_ldf_input inputs[2],
+                                  const struct rk_ldf_wish *o, struct rk_data inputs[2],
                                   struct rk_error *err) {
-    enum rk_status status = rk_ldf_input_read(&inputs[0], operand, study, o->point, o, err);
+    enum rk_status status = rk_data_read(&inputs[0], operand, study, o->data.point, &o->data, err);
     if (status == RK_OK && o->compare) {
-        operand = study ? operand : o->compare;
-        status = rk_ldf_input_read(&inputs[1], operand, study, o->compare, o, err);
-    }
-    if (study) {
-        rk_error_locate(err, "%s", operand);
+        status = rk_data_read(&inputs[1], study ? operand : o->compare, study, o->compare, &o->data,
+                              err);
     }
     return status;
 }
@@ -63,12 +59,12 @@ static int ldf(const void *options, size_t count, char *const *operands) {
     const struct rk_ldf_wish *o = options;
     const char *operand = operands[0];
     struct rk_error err = RK_NO_ERROR;
-    struct rk_ldf_input inputs[2] = {{0}, {0}};
+    struct rk_data inputs[2] = {{0}, {0}};
     struct rk_study *study = NULL;
     if (rk_ldf_wish_check(o, operand, &err) != RK_OK) {
         return rk_complain(&err);
     }
-    if (rk_ldf_input_is_folder(operand)) {
+    if (rk_data_is_folder(operand)) {
         int code = rk_command_load_folder(operand, &study);
         if (code != RK_EXIT_DONE) {
             return code;
@@ -99,7 +95,7 @@ static const struct rk_option options[] = {
     {.name = "window",
      .letter = 'w',
      .type = RK_OPTION_COUNT,
-     AT(window),
+     AT(data.window),
      .argument = "N",
      .low = 1,
      .high = 1e9,
@@ -144,39 +140,17 @@ static const struct rk_option options[] = {
     {.name = "integral",
      .letter = 'i',
      .type = RK_OPTION_FLAG,
-     AT(integral),
+     AT(data.integral),
      .doc = "the data are the observable's integral in time (a height for a velocity)"},
     {.name = "interval",
      .type = RK_OPTION_REAL,
-     AT(interval),
+     AT(data.interval),
      .argument = "T",
+     .fallback = "1",
      .low = 1e-300,
      .high = 1e300,
-     .doc = "time between two samples of a file; 1 otherwise"},
-    {.name = "column",
-     .letter = 'c',
-     .type = RK_OPTION_TEXT,
-     AT(column),
-     .argument = "NAME",
-     .doc = "column of a CSV file, by name or number"},
-    {.name = "replica",
-     .letter = 'r',
-     .type = RK_OPTION_TEXT,
-     AT(replica),
-     .argument = "NAME",
-     .doc = "column that says which replica a row is of"},
-    {.name = "point",
-     .letter = 'p',
-     .type = RK_OPTION_TEXT,
-     AT(point),
-     .argument = "NAME",
-     .doc = "point of a study"},
-    {.name = "observable",
-     .type = RK_OPTION_TEXT,
-     AT(observable),
-     .argument = "NAME",
-     .fallback = RK_REPORT_OBSERVABLE,
-     .doc = "of a study or a run"},
+     .doc = "time between two samples of a file"},
+    RK_DATA_SOURCE_ROWS(rk_ldf_wish),
     {.name = "points",
      .type = RK_OPTION_COUNT,
      AT(points),
@@ -200,34 +174,34 @@ static const struct rk_option options[] = {
      .doc = "likewise"},
     {.name = "bootstrap",
      .type = RK_OPTION_COUNT,
-     AT(bootstrap),
+     AT(data.bootstrap),
      .argument = "N",
      .low = 100,
      .high = 1e6,
      .doc = "resamplings behind the intervals; the study's, or 1000"},
     {.name = "level",
      .type = RK_OPTION_REAL,
-     AT(level),
+     AT(data.level),
      .argument = "P",
      .low = 0.5,
      .high = 0.999,
      .doc = "probability that an interval is to cover; the study's, or 0.95"},
     {.name = "seed",
      .type = RK_OPTION_COUNT,
-     AT(seed),
+     AT(data.seed),
      .argument = "N",
      .fallback = "1",
      .high = 0x1p64,
      .doc = "of the resampling of a file's data"},
     {.name = "plot",
      .type = RK_OPTION_TEXT,
-     AT(plot),
+     AT(data.plot),
      .argument = "FILE.png",
      .doc = "picture, its script (.gp) and table (.csv) beside it"},
-    {.name = "json", .type = RK_OPTION_FLAG, AT(json), .doc = "everything as JSON"},
+    {.name = "json", .type = RK_OPTION_FLAG, AT(data.json), .doc = "everything as JSON"},
     {.name = "csv",
      .type = RK_OPTION_FLAG,
-     AT(csv),
+     AT(data.csv),
      .doc = "the curve as CSV; of --windows, --direct, --symmetry or --compare theirs"},
 };
 

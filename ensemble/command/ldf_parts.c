@@ -2,6 +2,7 @@
 #include "ensemble/command/ldf_parts.h"
 
 #include "ensemble/analysis/json.h"
+#include "ensemble/analysis/plot.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -22,14 +23,18 @@ static const struct {
                            rk_ldf_draw_comparison},
 };
 
-static enum rk_series_mode mode_of(const struct rk_ldf_input *input) {
-    return input->integral ? RK_SERIES_INTEGRAL : RK_SERIES_RATE;
+static struct rk_ldf_units units_of(const struct rk_data *data) {
+    return (struct rk_ldf_units){"", data->study ? "sqrt(d/g)" : "", "", "", ""};
 }
 
-static struct rk_series series_of(const struct rk_ldf_input *input) {
-    const struct rk_samples *s = &input->samples;
+static enum rk_series_mode mode_of(const struct rk_data *data) {
+    return data->integral ? RK_SERIES_INTEGRAL : RK_SERIES_RATE;
+}
+
+static struct rk_series series_of(const struct rk_data *data) {
+    const struct rk_samples *s = &data->samples;
     return (struct rk_series){s->values,  s->replicas, s->samples,
-                              s->samples, s->lengths,  input->interval};
+                              s->samples, s->lengths,  data->interval};
 }
 
 static struct rk_ldf_options scaled(const struct rk_ldf_options *options, uint64_t scale) {
@@ -51,19 +56,20 @@ static void refuse(struct rk_ldf_part *part, enum rk_status status, const struct
 }
 
 static void make_limit(struct rk_ldf_parts *parts, const struct rk_ldf_options *options,
-                       const uint64_t *windows, size_t count, const struct rk_ldf_input *input) {
-    struct rk_series series = series_of(input);
+                       const uint64_t *windows, size_t count, const struct rk_data *data) {
+    const struct rk_ldf_units units = units_of(data);
+    struct rk_series series = series_of(data);
     uint64_t lengths[RK_LDF_WINDOWS_MOST];
     struct rk_error why = RK_NO_ERROR;
     struct rk_ldf_limit *limit = NULL;
     for (size_t i = 0; i < count; i++) {
-        lengths[i] = windows[i] * input->scale;
+        lengths[i] = windows[i] * data->scale;
     }
-    enum rk_status status = rk_ldf_limit_estimate(&limit, &series, mode_of(input), lengths, count,
-                                                  options, &input->stream, &why);
+    enum rk_status status = rk_ldf_limit_estimate(&limit, &series, mode_of(data), lengths, count,
+                                                  options, &data->stream, &why);
     if (status == RK_OK) {
-        rk_ldf_fill_windows(&parts->part[RK_LDF_WINDOWS].result, limit, &input->units);
-        rk_ldf_fill_limit(&parts->part[RK_LDF_LIMIT].result, limit, &input->units);
+        rk_ldf_fill_windows(&parts->part[RK_LDF_WINDOWS].result, limit, &units);
+        rk_ldf_fill_limit(&parts->part[RK_LDF_LIMIT].result, limit, &units);
     }
     refuse(&parts->part[RK_LDF_WINDOWS], status, &why);
     refuse(&parts->part[RK_LDF_LIMIT], status, &why);
@@ -71,34 +77,37 @@ static void make_limit(struct rk_ldf_parts *parts, const struct rk_ldf_options *
 }
 
 static void make_direct(struct rk_ldf_part *part, const struct rk_ldf *ldf, size_t bins,
-                        size_t replicates, const struct rk_ldf_input *input) {
+                        size_t replicates, const struct rk_data *data) {
+    const struct rk_ldf_units units = units_of(data);
     struct rk_error why = RK_NO_ERROR;
     struct rk_ldf_direct *direct;
     enum rk_status status =
-        rk_ldf_direct_estimate(&direct, ldf, bins, replicates, &input->stream, &why);
+        rk_ldf_direct_estimate(&direct, ldf, bins, replicates, &data->stream, &why);
     if (status == RK_OK) {
-        rk_ldf_fill_direct(&part->result, direct, &input->units);
+        rk_ldf_fill_direct(&part->result, direct, &units);
     }
     refuse(part, status, &why);
     rk_ldf_direct_free(direct);
 }
 
 static void make_symmetry(struct rk_ldf_part *part, const struct rk_ldf *ldf, size_t replicates,
-                          const struct rk_ldf_input *input) {
+                          const struct rk_data *data) {
+    const struct rk_ldf_units units = units_of(data);
     struct rk_error why = RK_NO_ERROR;
     struct rk_ldf_symmetry *symmetry;
     enum rk_status status =
-        rk_ldf_symmetry_estimate(&symmetry, ldf, ldf->points / 2, replicates, &input->stream, &why);
+        rk_ldf_symmetry_estimate(&symmetry, ldf, ldf->points / 2, replicates, &data->stream, &why);
     if (status == RK_OK) {
-        rk_ldf_fill_symmetry(&part->result, symmetry, &input->units);
+        rk_ldf_fill_symmetry(&part->result, symmetry, &units);
     }
     refuse(part, status, &why);
     rk_ldf_symmetry_free(symmetry);
 }
 
 static void make_comparison(struct rk_ldf_part *part, const struct rk_ldf *ldf,
-                            const struct rk_ldf_options *options, const struct rk_ldf_input *input,
-                            const struct rk_ldf_input *other) {
+                            const struct rk_ldf_options *options, const struct rk_data *data,
+                            const struct rk_data *other) {
+    const struct rk_ldf_units units = units_of(data);
     struct rk_error why = RK_NO_ERROR;
     struct rk_series series = series_of(other);
     struct rk_ldf_options its = scaled(options, other->scale);
@@ -108,10 +117,10 @@ static void make_comparison(struct rk_ldf_part *part, const struct rk_ldf *ldf,
         rk_ldf_estimate(&second, &series, mode_of(other), &its, &other->stream, &why);
     if (status == RK_OK) {
         status = rk_ldf_compare(&comparison, ldf, second, ldf->points, (size_t)options->bootstrap,
-                                &input->stream, &why);
+                                &data->stream, &why);
     }
     if (status == RK_OK) {
-        rk_ldf_fill_comparison(&part->result, comparison, &input->units);
+        rk_ldf_fill_comparison(&part->result, comparison, &units);
     }
     refuse(part, status, &why);
     rk_ldf_comparison_free(comparison);
@@ -130,8 +139,9 @@ static enum rk_status check_memory(const struct rk_ldf_parts *parts, struct rk_e
 
 enum rk_status rk_ldf_parts_make(struct rk_ldf_parts *parts, const struct rk_ldf_wish *wish,
                                  const struct rk_ldf_options *options, const uint64_t *windows,
-                                 size_t window_count, const struct rk_ldf_input *input,
-                                 const struct rk_ldf_input *other, struct rk_error *err) {
+                                 size_t window_count, const struct rk_data *data,
+                                 const struct rk_data *other, struct rk_error *err) {
+    const struct rk_ldf_units units = units_of(data);
     const bool asked[RK_LDF_PARTS] = {[RK_LDF_CURVE] = true,
                                       [RK_LDF_WINDOWS] = window_count > 1,
                                       [RK_LDF_LIMIT] = window_count > 1,
@@ -143,27 +153,27 @@ enum rk_status rk_ldf_parts_make(struct rk_ldf_parts *parts, const struct rk_ldf
         parts->part[i].asked = asked[i];
         rk_result_init(&parts->part[i].result);
     }
-    struct rk_series series = series_of(input);
-    struct rk_ldf_options mine = scaled(options, input->scale);
+    struct rk_series series = series_of(data);
+    struct rk_ldf_options mine = scaled(options, data->scale);
     struct rk_ldf *ldf;
     enum rk_status status =
-        rk_ldf_estimate(&ldf, &series, mode_of(input), &mine, &input->stream, err);
+        rk_ldf_estimate(&ldf, &series, mode_of(data), &mine, &data->stream, err);
     if (status != RK_OK) {
         return status;
     }
     size_t replicates = (size_t)options->bootstrap;
-    rk_ldf_fill(&parts->part[RK_LDF_CURVE].result, ldf, &input->units);
+    rk_ldf_fill(&parts->part[RK_LDF_CURVE].result, ldf, &units);
     if (asked[RK_LDF_LIMIT]) {
-        make_limit(parts, &mine, windows, window_count, input);
+        make_limit(parts, &mine, windows, window_count, data);
     }
     if (asked[RK_LDF_DIRECT]) {
-        make_direct(&parts->part[RK_LDF_DIRECT], ldf, (size_t)wish->bins, replicates, input);
+        make_direct(&parts->part[RK_LDF_DIRECT], ldf, (size_t)wish->bins, replicates, data);
     }
     if (asked[RK_LDF_SYMMETRY]) {
-        make_symmetry(&parts->part[RK_LDF_SYMMETRY], ldf, replicates, input);
+        make_symmetry(&parts->part[RK_LDF_SYMMETRY], ldf, replicates, data);
     }
     if (asked[RK_LDF_COMPARISON]) {
-        make_comparison(&parts->part[RK_LDF_COMPARISON], ldf, options, input, other);
+        make_comparison(&parts->part[RK_LDF_COMPARISON], ldf, options, data, other);
     }
     rk_ldf_free(ldf);
     return check_memory(parts, err);
@@ -179,12 +189,12 @@ static bool is_there(const struct rk_ldf_parts *parts, size_t i) {
     return parts->part[i].asked && parts->part[i].status == RK_OK;
 }
 
-static void print_json(const struct rk_ldf_parts *parts, const struct rk_ldf_input *input) {
+static void print_json(const struct rk_ldf_parts *parts, const struct rk_data *data) {
     struct rk_json json = rk_json_of(stdout);
     rk_json_open_map(&json, NULL);
-    rk_json_count(&json, "replicas", input->samples.replicas);
-    rk_json_number(&json, "interval", input->interval);
-    rk_json_flag(&json, "integral", input->integral);
+    rk_json_count(&json, "replicas", data->samples.replicas);
+    rk_json_number(&json, "interval", data->interval);
+    rk_json_flag(&json, "integral", data->integral);
     rk_result_write_json(&parts->part[RK_LDF_CURVE].result, &json);
     for (size_t i = RK_LDF_CURVE + 1; i < RK_LDF_PARTS; i++) {
         if (parts->part[i].asked) {
@@ -230,10 +240,10 @@ static void print_text(const struct rk_ldf_parts *parts) {
 }
 
 void rk_ldf_parts_print(const struct rk_ldf_parts *parts, const struct rk_ldf_wish *wish,
-                        const struct rk_ldf_input *input) {
-    if (wish->json) {
-        print_json(parts, input);
-    } else if (wish->csv) {
+                        const struct rk_data *data) {
+    if (wish->data.json) {
+        print_json(parts, data);
+    } else if (wish->data.csv) {
         print_csv(parts);
     } else {
         print_text(parts);
@@ -245,8 +255,10 @@ enum rk_status rk_ldf_parts_plot(const struct rk_ldf_parts *parts, const char *p
     enum rk_status status = RK_OK;
     for (size_t i = 0; i < RK_LDF_PARTS && status == RK_OK; i++) {
         if (is_there(parts, i) && about[i].draw) {
-            status = rk_ldf_plot(&parts->part[i].result, path, about[i].ending, about[i].title,
-                                 about[i].draw, err);
+            const struct rk_picture model = {.title = about[i].title,
+                                             .quantity = "observable averaged"};
+            status = rk_report_plot_as(&model, about[i].ending, about[i].draw,
+                                       &parts->part[i].result, path, err);
         }
     }
     return status;

@@ -2,7 +2,7 @@
 #ifndef RK_ENSEMBLE_COMMAND_LDF_PARTS_H
 #define RK_ENSEMBLE_COMMAND_LDF_PARTS_H
 
-#include "ensemble/command/ldf_input.h"
+#include "ensemble/command/ldf_wish.h"
 
 enum rk_ldf_part_name {
     RK_LDF_CURVE,
@@ -30,12 +30,12 @@ struct rk_ldf_parts {
  * is refused does not keep the others; the curve's own failure is returned. */
 enum rk_status rk_ldf_parts_make(struct rk_ldf_parts *parts, const struct rk_ldf_wish *wish,
                                  const struct rk_ldf_options *options, const uint64_t *windows,
-                                 size_t window_count, const struct rk_ldf_input *input,
-                                 const struct rk_ldf_input *other, struct rk_error *err);
+                                 size_t window_count, const struct rk_data *data,
+                                 const struct rk_data *other, struct rk_error *err);
 void rk_ldf_parts_clear(struct rk_ldf_parts *parts);
 
 void rk_ldf_parts_print(const struct rk_ldf_parts *parts, const struct rk_ldf_wish *wish,
-                        const struct rk_ldf_input *input);
+                        const struct rk_data *data);
 enum rk_status rk_ldf_parts_plot(const struct rk_ldf_parts *parts, const char *path,
                                  struct rk_error *err);
 
