@@ -14,7 +14,7 @@ static const struct rk_piece *const sides[] = {&rk_bne_sides_walls, &rk_bne_side
 static const struct rk_registry side_registry = {"kind of sides", "sides of the box", sides, 2};
 
 #define AT(member) offsetof(struct rk_bne_intruder, member)
-static const struct rk_param intruder_rows[] = {
+const struct rk_param rk_bne_intruder_params[RK_BNE_INTRUDER_PARAMS] = {
     {.name = "diameter",
      .type = RK_PARAM_REAL,
      .offset = AT(diameter),
@@ -69,7 +69,7 @@ static const struct rk_param box_rows[] = {
 #undef AT
 
 #define AT(member) offsetof(struct rk_bne_drive, member)
-static const struct rk_param drive_rows[] = {
+const struct rk_param rk_bne_drive_params[RK_BNE_DRIVE_PARAMS] = {
     {.name = "acceleration",
      .type = RK_PARAM_REAL,
      .offset = AT(acceleration),
@@ -101,9 +101,9 @@ static const struct rk_param drive_rows[] = {
 #define COUNT(rows) (sizeof(rows) / sizeof *(rows))
 static const struct rk_param_group groups[] = {
     {"grains", rk_grains_params, RK_GRAINS_PARAMS, AT(grains), false},
-    {"intruder", intruder_rows, COUNT(intruder_rows), AT(intruder), false},
+    {"intruder", rk_bne_intruder_params, RK_BNE_INTRUDER_PARAMS, AT(intruder), false},
     {"box", box_rows, COUNT(box_rows), AT(box), false},
-    {"drive", drive_rows, COUNT(drive_rows), AT(drive), false},
+    {"drive", rk_bne_drive_params, RK_BNE_DRIVE_PARAMS, AT(drive), false},
     {"contact", rk_contact_params, RK_CONTACT_PARAMS, AT(contact), false},
     {"settle", rk_settle_params, RK_SETTLE_PARAMS, AT(settle), false},
     {"accuracy", rk_accuracy_params, RK_ACCURACY_PARAMS, AT(accuracy), true},
@@ -256,6 +256,7 @@ static struct rk_scene_spec scene_spec(const struct rk_bne *bne, double dt) {
         .contact = bne->contact,
         .accuracy = bne->accuracy,
         .health = bne->health,
+        .threads = (size_t)bne->run.threads,
     };
 }
 
