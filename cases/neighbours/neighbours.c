@@ -14,11 +14,10 @@ static const struct rk_param box_rows[] = {
      .type = RK_PARAM_REAL,
      .offset = IN(box, rows),
      .unit = "1/d",
-     .value = 2500 / 37.5,
+     .value = 2500 / 37.5, /* the box of Martins 2021, ch. 5 */
      .low = 1,
      .high = 1e4,
-     .doc = "grains above each diameter of width: the box is grains.count/rows wide; the default "
-            "is that of Martins 2021, 2500 grains in 37.5 d"},
+     .doc = "grains above each diameter of width: the box is grains.count/rows wide"},
 };
 
 static const struct rk_param run_rows[] = {
