@@ -1,7 +1,7 @@
 /* The neighbour-search study: what the three methods look at, and that nobody can tell from the
  * numbers which of them, or how many threads, found the pairs. */
-#include "base/memory.h"
 #include "cases/neighbours/neighbours.h"
+#include "tests/kit/scene_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -25,7 +25,7 @@ static struct rk_neighbour_study study_of(uint64_t grains, const char *method) {
     study.bne.contact.kt = 75;
     study.bne.settle.kinetic = 1e-3;
     study.bne.accuracy.step = 0.05;
-    study.bne.accuracy.neighbour = rk_registry_find(&rk_neighbour_registry, method);
+    study.bne.accuracy.neighbour = kit_piece(&rk_neighbour_registry, method);
     study.box.rows = 10;
     return study;
 }
@@ -47,14 +47,6 @@ static struct rk_scene *prepared(const struct rk_neighbour_study *study) {
     return scene;
 }
 
-static void *packed(const struct rk_scene *scene, size_t *size) {
-    *size = rk_scene_packed_size(scene);
-    void *block = rk_array_create(*size, 1);
-    assert_non_null(block);
-    rk_scene_pack(scene, block);
-    return block;
-}
-
 /* The scene of `study` where `block` left it. */
 static struct rk_scene *opened(const struct rk_neighbour_study *study, const void *block,
                                size_t size) {
@@ -68,10 +60,9 @@ static struct rk_scene *opened(const struct rk_neighbour_study *study, const voi
 /* STEPS steps, and what all the probes see after them. */
 static void *outcome(const struct rk_neighbour_study *study, struct rk_scene *scene,
                      double rows[64], size_t *size) {
-    struct rk_error err = RK_NO_ERROR;
     const struct rk_focus focus = rk_case_neighbours.focus(study);
     size_t column = 0;
-    succeed(rk_scene_step(scene, STEPS, &err), &err);
+    kit_step(scene, STEPS);
     for (size_t k = 0; k < rk_case_neighbours.probes->count; k++) {
         const struct rk_probe *probe =
             (const struct rk_probe *)rk_case_neighbours.probes->pieces[k];
@@ -79,7 +70,7 @@ static void *outcome(const struct rk_neighbour_study *study, struct rk_scene *sc
         probe->sample(scene, &focus, rows + column);
         column += probe->count;
     }
-    void *block = packed(scene, size);
+    void *block = kit_packed(scene, size);
     rk_scene_free(scene);
     return block;
 }
@@ -90,21 +81,19 @@ static void methods_and_threads_give_the_same_bytes(void **state) {
     double rows[64] = {0}, other_rows[64] = {0};
     size_t size, bed_size, other_size;
     struct rk_scene *scene = prepared(&study);
-    void *bed = packed(scene, &bed_size), *block = outcome(&study, scene, rows, &size);
+    void *bed = kit_packed(scene, &bed_size), *block = outcome(&study, scene, rows, &size);
     assert_true(size != bed_size || memcmp(bed, block, size) != 0); /* something happened */
     for (int m = 0; m < METHODS; m++) {
         study = study_of(150, methods[m]);
         void *other = outcome(&study, prepared(&study), other_rows, &other_size);
-        assert_int_equal(other_size, size);
-        assert_memory_equal(other, block, size);
+        kit_assert_same_block(other, other_size, block, size);
         assert_memory_equal(other_rows, rows, sizeof rows);
         free(other);
         study.run.threads = 3;
         struct rk_scene *shared = opened(&study, bed, bed_size);
         assert_int_equal(rk_scene_spec(shared)->threads, 3);
         other = outcome(&study, shared, other_rows, &other_size);
-        assert_int_equal(other_size, size);
-        assert_memory_equal(other, block, size);
+        kit_assert_same_block(other, other_size, block, size);
         assert_memory_equal(other_rows, rows, sizeof rows);
         free(other);
     }
@@ -117,13 +106,12 @@ static double looks(uint64_t grains, const char *method, size_t *count) {
     struct rk_neighbour_study study = study_of(grains, "cells");
     struct rk_scene *scene = prepared(&study);
     size_t size;
-    struct rk_error err = RK_NO_ERROR;
-    void *bed = packed(scene, &size);
+    void *bed = kit_packed(scene, &size);
     rk_scene_free(scene);
     study = study_of(grains, method);
     scene = opened(&study, bed, size);
     free(bed);
-    succeed(rk_scene_step(scene, STEPS, &err), &err);
+    kit_step(scene, STEPS);
     double pairs = (double)rk_scene_profile(scene).pairs / (STEPS + 1);
     *count = rk_scene_grains(scene);
     rk_scene_free(scene);
@@ -163,7 +151,7 @@ static void what_cannot_be_done_is_refused(void **state) {
     study.bne.grains.count++;
     assert_int_equal(rk_case_neighbours.check(&study, &err), RK_EINVALID);
     assert_string_equal(err.subject, "accuracy.neighbours");
-    study.bne.accuracy.neighbour = rk_registry_find(&rk_neighbour_registry, "verlet");
+    study.bne.accuracy.neighbour = kit_piece(&rk_neighbour_registry, "verlet");
     succeed(rk_case_neighbours.check(&study, &err), &err);
 }
 
