@@ -32,6 +32,7 @@
 #include "stats/histogram.h"
 #include "stats/ldf.h"
 #include "stats/moments.h"
+#include "stats/pdf.h"
 #include "stats/rate.h"
 #include "stats/resample.h"
 #include "stats/spectrum.h"
