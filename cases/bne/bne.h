@@ -13,9 +13,10 @@ struct rk_bne_box {
 };
 
 struct rk_bne_intruder {
-    double diameter, density;
+    double diameter;
+    double density, stiffness, mu; /* over those of the grains */
 };
-enum { RK_BNE_INTRUDER_PARAMS = 2 };
+enum { RK_BNE_INTRUDER_PARAMS = 4 };
 extern const struct rk_param rk_bne_intruder_params[RK_BNE_INTRUDER_PARAMS];
 
 struct rk_bne_drive {

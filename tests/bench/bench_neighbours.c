@@ -46,7 +46,7 @@ static enum rk_status measure_size(const struct options *o, uint64_t count, stru
                                    struct rk_error *err) {
     struct bed bed;
     size_t s = r->sizes;
-    enum rk_status status = bed_settle(count, &bed, err);
+    enum rk_status status = bed_settle(count, o->threads, &bed, err);
     for (int m = 0; status == RK_OK && o->tables && m < METHODS; m++) {
         status = time_method(&bed, (enum method)m, o->full, &r->timings[s][m], err);
     }

@@ -16,8 +16,8 @@ struct bed {
     size_t size;
 };
 
-/* Settle a bed of `count` small grains, a large one on all cores; free with bed_free. */
-enum rk_status bed_settle(uint64_t count, struct bed *bed, struct rk_error *err);
+/* Settle a bed of `count` small grains, a large one on `threads`; free with bed_free. */
+enum rk_status bed_settle(uint64_t count, size_t threads, struct bed *bed, struct rk_error *err);
 void bed_free(struct bed *bed);
 
 /* A scene that stands where the bed does; *scene is the caller's. */

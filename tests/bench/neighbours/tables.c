@@ -234,7 +234,7 @@ enum rk_status foley_table(bool full, struct rk_error *err) {
         const struct foley_row *row = &foley_rows[k];
         struct bed bed;
         struct timing brute, list;
-        status = bed_settle(row->particles - 1, &bed, err); /* and the intruder */
+        status = bed_settle(row->particles - 1, 1, &bed, err); /* and the intruder */
         if (status == RK_OK) {
             status = time_method(&bed, ALL_PAIRS, full, &brute, err);
         }
