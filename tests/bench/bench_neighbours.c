@@ -56,7 +56,7 @@ static enum rk_status measure_size(const struct options *o, uint64_t count, stru
         print_table(&bed, r->timings[s]);
     }
     for (int m = 0; status == RK_OK && o->speedup && m < METHODS; m++) {
-        if (m != ALL_PAIRS || bed_lists_all(&bed)) {
+        if (worth_timing(&bed, (enum method)m)) {
             status = time_threads(&bed, (enum method)m, o->threads, &r->curve[r->curves++], err);
         }
     }

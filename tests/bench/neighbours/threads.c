@@ -6,6 +6,14 @@
 /* Looks at pairs, or grain-steps, that one turn comes to. */
 static const double turn_looks = 2e8, turn_grain_steps = 4e6;
 
+/* Looks at pairs in making one list above which a turn would be little else. */
+static const double list_looks = 1e9;
+
+bool worth_timing(const struct bed *bed, enum method method) {
+    double n = (double)bed->grains;
+    return method == CELLS || (0.5 * n * (n - 1) < list_looks && bed_lists_all(bed));
+}
+
 static uint64_t steps_of_turn(const struct bed *bed, enum method method) {
     double n = (double)bed->grains;
     double steps = method == ALL_PAIRS ? turn_looks / (0.5 * n * (n - 1)) : turn_grain_steps / n;

@@ -14,6 +14,9 @@ struct curve {
     double low[THREADS_MOST], speedup[THREADS_MOST], high[THREADS_MOST]; /* over the turns */
 };
 
+/* False where making one list takes so long that a turn would be little else. */
+bool worth_timing(const struct bed *bed, enum method method);
+
 enum rk_status time_threads(const struct bed *bed, enum method method, size_t most,
                             struct curve *curve, struct rk_error *err);
 
