@@ -26,7 +26,9 @@ void rk_analysis_add_interval(struct rk_result *result, const char *const names[
 
 void rk_analysis_say_interval(char *text, size_t size, int digits, double x, double low,
                               double high) {
-    if (isfinite(low) && isfinite(high)) {
+    if (!isfinite(x)) {
+        snprintf(text, size, "refused");
+    } else if (isfinite(low) && isfinite(high)) {
         snprintf(text, size, "%.*g [%.*g, %.*g]", digits, x, digits, low, digits, high);
     } else {
         snprintf(text, size, "%.*g (no interval)", digits, x);
@@ -40,13 +42,9 @@ void rk_analysis_print_interval(const struct rk_result *result, const char *name
     snprintf(high, sizeof high, "%s_high", name);
     const struct rk_value *value = rk_result_find(result, name);
     double x = rk_result_number(result, name);
-    if (isfinite(x)) {
-        rk_analysis_say_interval(text, sizeof text, 6, x, rk_result_number(result, low),
-                                 rk_result_number(result, high));
-        fprintf(out, "%-*s %s  %s\n", width, name, text, value->doc);
-    } else {
-        fprintf(out, "%-*s refused  %s\n", width, name, value ? value->doc : "");
-    }
+    rk_analysis_say_interval(text, sizeof text, 6, x, rk_result_number(result, low),
+                             rk_result_number(result, high));
+    fprintf(out, "%-*s %s  %s\n", width, name, text, value ? value->doc : "");
 }
 
 enum rk_status rk_analysis_check_span(uint64_t from, uint64_t to,

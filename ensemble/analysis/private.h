@@ -18,6 +18,9 @@ struct rk_point_data {
     uint64_t samples_per_period;    /* intervals of the series a period */
     double period;                  /* in the time of the series */
     struct rk_stream stream;        /* of the bootstrap */
+    /* The first point of the study; NULL for that point itself, or when none of its runs is done.
+     */
+    const struct rk_point_data *reference;
 };
 
 struct rk_picture; /* ensemble/analysis/plot.h */
@@ -46,12 +49,13 @@ void rk_analysis_add_interval(struct rk_result *result, const char *const names[
                               const char *unit, const char *doc, const struct rk_interval *x,
                               double factor);
 
-/* "0.056 [0.048, 0.069]", or "0.056 (no interval)" where the ends are not finite. */
+/* "0.056 [0.048, 0.069]", "0.056 (no interval)" where the ends are not finite, "refused" where it
+ * is not a number. */
 void rk_analysis_say_interval(char *text, size_t size, int digits, double x, double low,
                               double high);
 
 /* A line of the interval `name`, `name`_low, `name`_high: its name in `width` columns, the numbers,
- * the doc; "refused" where it is not a number. */
+ * the doc. */
 void rk_analysis_print_interval(const struct rk_result *result, const char *name, int width,
                                 FILE *out);
 

@@ -187,7 +187,7 @@ static int resonance(const void *options, size_t count, char *const *operands) {
     bool folder = stat(operands[0], &about) == 0 && S_ISDIR(about.st_mode);
     (void)count;
     if (check_options(o, folder, &err) != RK_OK ||
-        (o->data.plot && rk_data_spare(operands[0], o->data.plot, &err) != RK_OK)) {
+        (o->data.plot && rk_data_spare(operands[0], o->data.plot, "", &err) != RK_OK)) {
         return rk_complain(&err);
     }
     if (folder) {
@@ -202,6 +202,7 @@ static int resonance(const void *options, size_t count, char *const *operands) {
     if (status == RK_OK) {
         const struct request request = {o, &curve};
         const struct rk_data data = {
+            .name = operands[0],
             .samples.replicas = curve.first[curve.periods],
             .interval = 1,
             .study = folder,
