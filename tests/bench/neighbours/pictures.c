@@ -57,7 +57,8 @@ static void cost_table(FILE *out, size_t sizes, const size_t grains[],
 static void cost_script(const struct rk_picture *picture, FILE *out) {
     static const char *const titles[METHODS] = {"all pairs", "list", "cells"};
     rk_plot_begin(picture, false, out);
-    fprintf(out, "set logscale xy\nset format xy \"10^{%%L}\"\nset key top left\n"
+    fprintf(out, "set logscale xy\nset xrange [700:*]\nset format xy \"10^{%%L}\"\nset key outside "
+                 "below maxrows 3\n"
                  "set xlabel \"grains\"\nset ylabel \"time of 1000 steps on one core [s]\"\n"
                  "plot ");
     for (int m = 0; m < METHODS; m++) {

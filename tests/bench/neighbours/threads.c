@@ -6,12 +6,13 @@
 /* Looks at pairs, or grain-steps, that one turn comes to. */
 static const double turn_looks = 2e8, turn_grain_steps = 4e6;
 
-/* Looks at pairs in making one list above which a turn would be little else. */
-static const double list_looks = 1e9;
+/* Pairs in one list above which making it, which is one thread's, would be most of a turn: where
+ * the near ones are looked for, and where all are kept. */
+static const double pairs_looked_at = 1e9, pairs_kept = 1e7;
 
 bool worth_timing(const struct bed *bed, enum method method) {
-    double n = (double)bed->grains;
-    return method == CELLS || (0.5 * n * (n - 1) < list_looks && bed_lists_all(bed));
+    double n = (double)bed->grains, pairs = 0.5 * n * (n - 1);
+    return method == CELLS || pairs < (method == ALL_PAIRS ? pairs_kept : pairs_looked_at);
 }
 
 static uint64_t steps_of_turn(const struct bed *bed, enum method method) {
