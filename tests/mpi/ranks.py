@@ -115,7 +115,7 @@ def ranks_die(work, reference):
 
 
 def stopped_on_request(work, reference):
-    process = start(2, work / "stopped", "--quiet")
+    process = start(2, work / "stopped", "--quiet", "--checkpoint", "0.01")
     end = time.monotonic() + 60
     while not list((work / "stopped").glob("runs/*.ckpt")) and time.monotonic() < end:
         time.sleep(0.005)
