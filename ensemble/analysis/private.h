@@ -18,6 +18,9 @@ struct rk_point_data {
     uint64_t samples_per_period;    /* intervals of the series a period */
     double period;                  /* in the time of the series */
     struct rk_stream stream;        /* of the bootstrap */
+    /* The first point of the study; NULL for that point itself, or when none of its runs is done.
+     */
+    const struct rk_point_data *reference;
 };
 
 struct rk_picture; /* ensemble/analysis/plot.h */
