@@ -94,7 +94,7 @@ static enum rk_status set_aside(struct crew *crew, const struct rk_run *run, con
         status = rk_fail_system(err, "rename", path);
     }
     if (status == RK_OK) {
-        char line[768];
+        char line[1024];
         snprintf(line, sizeof line, "run %s is done again, its file is kept as '%s.h5.damaged': %s",
                  run->id, run->id, why->message);
         message(crew, line);

@@ -20,7 +20,7 @@ struct block {
     char reason[512];
     uint64_t length; /* of the whole file */
     uint64_t sum;    /* of what follows the block */
-    char spare[RK_SEAL_SIZE - 664];
+    char spare[RK_SEAL_SIZE - 696];
     uint64_t self; /* sum of this block up to here */
 };
 _Static_assert(sizeof(struct block) == RK_SEAL_SIZE, "the seal fills its block");
