@@ -19,6 +19,8 @@
  *         box.sides: periodic
  *     sweep:                              # optional (study/sweep.h): of every point, a grid
  *       - drive.acceleration: [1.2, 1.5, 1.8]
+ *     keep: checkpoint                    # or results, the default: a finished run's last
+ *                                         # checkpoint and spool, for runs that may become longer
  *     analyses:
  *       - rise: {from: 10}
  *       - ldf: {window: 5, from: 10}
@@ -68,6 +70,7 @@ struct rk_study {
     const struct rk_case *scene;
     uint64_t seed;
     uint64_t replicas;
+    bool keeps_checkpoints; /* of finished runs, so that they can be made longer */
     struct rk_point *points; /* the explicit points times the sweep, which varies faster */
     size_t point_count;
     char (*roots)[RK_NAME]; /* the explicit points; none: there is one, that has no name */
@@ -103,8 +106,9 @@ struct rk_run {
 
 /* What the runs of one point have in common. */
 struct rk_plan_point {
-    char identity[RK_IDENTITY]; /* hex digest of what decides the bytes of a run: case, seed, name
-                                   and parameters of its point; nothing of the other points */
+    char identity[RK_IDENTITY]; /* hex digest of what decides the bytes of a run but its length:
+                                   case, seed, name and parameters of its point; nothing of the
+                                   other points */
     uint64_t steps;             /* of a run */
     size_t first, count;        /* its runs: one a replica */
 };

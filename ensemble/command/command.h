@@ -63,6 +63,7 @@ extern const struct rk_command rk_command_analyze;
 extern const struct rk_command rk_command_check;
 extern const struct rk_command rk_command_describe;
 extern const struct rk_command rk_command_ldf;
+extern const struct rk_command rk_command_new;
 extern const struct rk_command rk_command_run;
 extern const struct rk_command rk_command_status;
 
@@ -91,6 +92,9 @@ void rk_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
  * RK_EXIT_DONE when *study is there (free with rk_study_free). */
 int rk_command_load_study(const char *path, struct rk_study **study);
 int rk_command_load_folder(const char *folder, struct rk_study **study);
+
+/* Why rk_plan_file_match refused the folder's own study.yaml, in words for one who only looks. */
+enum rk_status rk_command_strange_folder(const struct rk_error *why, struct rk_error *err);
 
 /* The plan of a folder's study; RK_ECONFLICT when the runs there are not that plan's, so that no
  * number is ever derived with parameters it was not made with; RK_EIO when there is no plan to

@@ -139,7 +139,7 @@ static int run_plan(const char *folder, const struct rk_plan *plan, const struct
     }
     size_t surplus = rk_store_surplus(folder, plan);
     if (surplus > 0) {
-        rk_warn("'%s' holds %zu finished run%s beyond the replicas that the study asks for now; "
+        rk_warn("'%s' holds %zu finished run%s beyond what the study asks for now; "
                 "kept, but not counted",
                 folder, surplus, surplus == 1 ? "" : "s");
     }

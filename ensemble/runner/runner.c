@@ -1,6 +1,7 @@
 #include "ensemble/runner.h"
 #include "ensemble/runner/clock.h"
 #include "ensemble/runner/run.h"
+#include "ensemble/store/checkpoint.h"
 #include "ensemble/store/files.h"
 #include "ensemble/store/index.h"
 #include "ensemble/store/seal.h"
@@ -28,6 +29,7 @@ struct crew {
     uint8_t *states; /* an enum rk_run_state a run of the plan; each written by one thread */
     atomic_bool stopped;
     atomic_bool broken; /* no run is begun any more */
+    atomic_size_t anew; /* runs to be made longer that have no checkpoint to go on from */
     pthread_mutex_t mutex;
     struct rk_progress progress;
     double start, last;
@@ -102,6 +104,25 @@ static enum rk_status set_aside(struct crew *crew, const struct rk_run *run, con
     return status;
 }
 
+/* A shorter run stays until the longer one is there; it goes on from its checkpoint if it has one.
+ */
+static enum rk_status review_length(struct crew *crew, const struct rk_run *run,
+                                    const struct rk_seal *seal, struct rk_error *err) {
+    struct rk_path checkpoint;
+    unsigned long long there = seal->steps, asked = crew->plan->points[run->point].steps;
+    if (there > asked) {
+        return rk_fail(err, RK_ECONFLICT,
+                       "run %s is there with %llu steps and the study asks for %llu: what is there "
+                       "is not cut short; choose another folder with -o",
+                       run->id, there, asked);
+    }
+    enum rk_status status = rk_path_of_run(&checkpoint, crew->folder, run->id, ".ckpt", err);
+    if (status == RK_OK && !rk_checkpoint_exists(checkpoint.text)) {
+        atomic_fetch_add(&crew->anew, 1);
+    }
+    return status;
+}
+
 /* The state of a run, every byte of its file checked; what a finished run left over is removed. */
 static enum rk_status review(struct crew *crew, size_t i, struct rk_error *err) {
     const struct rk_run *run = &crew->plan->runs[i];
@@ -123,8 +144,23 @@ static enum rk_status review(struct crew *crew, size_t i, struct rk_error *err) 
     if (status != RK_OK) {
         return rk_fail_as(err, &why);
     }
+    if (seal.steps != crew->plan->points[run->point].steps) {
+        return review_length(crew, run, &seal, err);
+    }
     crew->states[i] = seal.state == RK_SEAL_FAILED ? RK_RUN_FAILED : RK_RUN_DONE;
-    return rk_run_clean(crew->folder, run, err);
+    return rk_run_tidy(crew->folder, crew->plan, run, seal.state == RK_SEAL_FAILED, err);
+}
+
+static void tell_anew(struct crew *crew) {
+    size_t count = atomic_load(&crew->anew);
+    if (count > 0) {
+        char line[256];
+        snprintf(line, sizeof line,
+                 "%zu finished run%s shorter than asked for and kept no checkpoint to go on from "
+                 "('keep: checkpoint' in a study does): made anew from the start",
+                 count, count == 1 ? " is" : "s are");
+        message(crew, line);
+    }
 }
 
 static enum rk_status review_all(struct crew *crew, int threads, struct rk_error *err) {
@@ -139,6 +175,7 @@ static enum rk_status review_all(struct crew *crew, int threads, struct rk_error
             }
         }
     }
+    tell_anew(crew);
     return first.status == RK_OK ? RK_OK : rk_fail_as(err, &first);
 }
 

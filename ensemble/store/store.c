@@ -242,7 +242,8 @@ enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_plan *
     if (rk_path_of_run(&path, folder, run->id, ".h5", NULL) != RK_OK) {
         return RK_RUN_WAITING;
     }
-    if (rk_seal_read(path.text, &seal, NULL) == RK_OK && rk_origin_is(&seal.origin, plan, run)) {
+    if (rk_seal_read(path.text, &seal, NULL) == RK_OK && rk_origin_is(&seal.origin, plan, run) &&
+        seal.steps == plan->points[run->point].steps) {
         if (reason) {
             memcpy(reason, seal.reason, sizeof seal.reason);
         }

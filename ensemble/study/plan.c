@@ -9,6 +9,11 @@ static void write_hash(XXH128_hash_t hash, char identity[RK_IDENTITY]) {
              (unsigned long long)hash.low64);
 }
 
+/* A longer run begins with the bytes of a shorter one: its length is not what it is. */
+static bool in_identity(struct rk_param_ref ref) {
+    return !ref.row->extends;
+}
+
 /* The digests of what decides the bytes of the runs. */
 static enum rk_status identify(struct rk_plan *plan, struct rk_error *err) {
     const struct rk_study *study = plan->study;
@@ -24,10 +29,12 @@ static enum rk_status identify(struct rk_plan *plan, struct rk_error *err) {
         const struct rk_point *point = &study->points[p];
         size_t size;
         const char *text = rk_canonical_text(
-            canonical, point->params, NULL, &size, "case = %s\nseed = %llu\npoint = %s\n",
+            canonical, point->params, in_identity, &size, "case = %s\nseed = %llu\npoint = %s\n",
             study->scene->piece.name, (unsigned long long)study->seed, point->name);
         write_hash(XXH3_128bits(text, size), plan->points[p].identity);
+        plan->points[p].steps = study->scene->schedule(point->params).steps;
         XXH3_128bits_update(all, plan->points[p].identity, RK_IDENTITY);
+        XXH3_128bits_update(all, &plan->points[p].steps, sizeof plan->points[p].steps);
     }
     write_hash(XXH3_128bits_digest(all), plan->identity);
     XXH3_freeState(all);
@@ -40,10 +47,9 @@ static void list_runs(struct rk_plan *plan) {
     size_t n = 0;
     for (size_t p = 0; p < plan->study->point_count; p++) {
         const struct rk_point *point = &plan->study->points[p];
-        struct rk_schedule schedule = scene->schedule(point->params);
-        double steps = (double)schedule.steps + (double)scene->preparation_steps(point->params);
+        double steps =
+            (double)plan->points[p].steps + (double)scene->preparation_steps(point->params);
         double cost = steps * (double)scene->grains(point->params);
-        plan->points[p].steps = schedule.steps;
         plan->points[p].first = n;
         plan->points[p].count = (size_t)plan->study->replicas;
         for (uint64_t r = 0; r < plan->study->replicas; r++, n++) {

@@ -8,7 +8,7 @@
 #include <string.h>
 
 static const char *const keys[] = {"study",  "case",  "seed",     "replicas", "base",
-                                   "points", "sweep", "analyses", "include"};
+                                   "points", "sweep", "analyses", "include",  "keep"};
 enum { KEYS = sizeof keys / sizeof *keys };
 
 static const char *key_name(const void *list, size_t i) {
@@ -62,7 +62,8 @@ static enum rk_status check_keys(const struct rk_yaml *tree, struct rk_error *er
             const char *nearest = rk_nearest_name(n->key, KEYS, key_name, keys);
             return rk_yaml_wrong(tree, n->key_place, err, "a study has no key '%.64s'%s", n->key,
                                  rk_hint_of(nearest, "; it may have study, case, seed, replicas, "
-                                                     "base, points, sweep, analyses, include")
+                                                     "base, points, sweep, analyses, include, "
+                                                     "keep")
                                      .text);
         }
     }
@@ -90,6 +91,24 @@ static enum rk_status read_number(const struct rk_sources *sources, const char *
                              key, text, (unsigned long long)low, (unsigned long long)high);
     }
     *number = value;
+    return RK_OK;
+}
+
+/* "keep: checkpoint" or "keep: results". */
+static enum rk_status read_keep(const struct rk_sources *sources, bool *checkpoints,
+                                struct rk_error *err) {
+    struct rk_spot spot = rk_sources_find(sources, "keep");
+    enum rk_status status = spot.node ? expect_text(spot, err) : RK_OK;
+    if (status != RK_OK || !spot.node) {
+        return status;
+    }
+    *checkpoints = strcmp(spot.node->text, "checkpoint") == 0;
+    if (!*checkpoints && strcmp(spot.node->text, "results") != 0) {
+        return rk_spot_wrong(spot, err,
+                             "keep: '%.64s' will not do; 'checkpoint' keeps what longer runs go on "
+                             "from, 'results' (the default) does not",
+                             spot.node->text);
+    }
     return RK_OK;
 }
 
@@ -151,6 +170,9 @@ static enum rk_status read_study(const struct rk_sources *sources, struct rk_stu
     }
     if (status == RK_OK) {
         status = read_number(sources, "replicas", 1, RK_REPLICAS_MAX, &study->replicas, err);
+    }
+    if (status == RK_OK) {
+        status = read_keep(sources, &study->keeps_checkpoints, err);
     }
     if (status == RK_OK) {
         status = rk_study_read_points(sources, study, err);

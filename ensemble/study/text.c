@@ -42,21 +42,22 @@ static void write_sweep(FILE *out, const struct rk_study *study) {
 
 /* The explicit points, of each its first one of the sweep, which sets the same in all. */
 static void write_points(FILE *out, const struct rk_study *study) {
-    size_t roots = study->root_count > 0 ? study->root_count : 1;
+    size_t roots = study->axis_count > 0 ? study->root_count : study->point_count;
     size_t each = study->point_count / roots;
     fprintf(out, "points:\n");
     for (size_t i = 0; i < roots; i++) {
         const struct rk_point *point = &study->points[i * each];
-        fprintf(out, "  - name: %s\n", study->root_count > 0 ? study->roots[i] : point->name);
+        fprintf(out, "  - name: %s\n", study->axis_count > 0 ? study->roots[i] : point->name);
         write_differences(out, study->scene->params, study->points[0].params, point->params);
     }
 }
 
 static void write_study(FILE *out, const struct rk_study *study) {
     const struct rk_param_table *table = study->scene->params;
-    fprintf(out, "study: %s\ncase: %s\nseed: %llu\nreplicas: %llu\nbase:\n", study->name,
+    fprintf(out, "study: %s\ncase: %s\nseed: %llu\nreplicas: %llu\nkeep: %s\nbase:\n", study->name,
             study->scene->piece.name, (unsigned long long)study->seed,
-            (unsigned long long)study->replicas);
+            (unsigned long long)study->replicas,
+            study->keeps_checkpoints ? "checkpoint" : "results");
     write_all(out, "  ", table, study->points[0].params);
     if (study->root_count > 0 || study->axis_count == 0) {
         write_points(out, study);
