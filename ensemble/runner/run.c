@@ -44,7 +44,7 @@ static bool stop_asked(const struct rk_run_hooks *hooks) {
 
 static void say(const struct work *w, const char *what, const struct rk_error *why) {
     if (w->hooks->message) {
-        char line[768];
+        char line[1024];
         snprintf(line, sizeof line, "run %s: %s (%s)", w->run->id, what, why->message);
         w->hooks->message(w->hooks->context, line);
     }
@@ -60,6 +60,13 @@ static void spare(const struct work *w, double grain_steps) {
     if (w->hooks->spare) {
         w->hooks->spare(w->hooks->context, grain_steps);
     }
+}
+
+/* Others take a program for dead that gave no sign of life for long, and go on with its runs. */
+static enum rk_status still_ours(const struct work *w, struct rk_error *err) {
+    return !w->hooks->holds || w->hooks->holds(w->hooks->context)
+               ? RK_OK
+               : rk_fail(err, RK_ECONFLICT, "another program has taken over run %s", w->run->id);
 }
 
 static enum rk_status set_paths(struct paths *paths, const char *folder, const struct rk_run *run,
@@ -141,7 +148,10 @@ static enum rk_status checkpoint(struct work *w, struct rk_error *err) {
                               .preparation = w->preparation,
                               .state = w->state,
                               .size = size};
-    enum rk_status status = rk_spool_sync(w->spool, &c.spool, err);
+    enum rk_status status = still_ours(w, err);
+    if (status == RK_OK) {
+        status = rk_spool_sync(w->spool, &c.spool, err);
+    }
     if (status == RK_OK) {
         status = rk_checkpoint_write(w->paths.checkpoint.text, &w->origin, &c, err);
     }
@@ -318,6 +328,9 @@ static enum rk_status publish(struct work *w, const struct rk_error *failure,
                                 .reason = failure ? failure->message : NULL};
     const char *partial = w->paths.partial.text;
     enum rk_status status = rk_h5md_write(partial, &outcome, w->spool, err);
+    if (status == RK_OK) {
+        status = still_ours(w, err);
+    }
     if (status == RK_OK) {
         status = rk_file_publish(partial, w->paths.final.text, err);
     }

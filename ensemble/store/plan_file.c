@@ -163,6 +163,14 @@ static enum rk_status match_contents(const char *folder, const char *path,
     return status;
 }
 
+bool rk_plan_file_is(const char *folder, const struct rk_plan *plan) {
+    struct rk_path path;
+    struct rk_seal found, expected = rk_study_file_seal(&plan_file, plan, "");
+    return rk_path_set(&path, NULL, "%s/plan.h5", folder) == RK_OK &&
+           rk_seal_read(path.text, &found, NULL) == RK_OK &&
+           memcmp(&found.origin, &expected.origin, sizeof found.origin) == 0;
+}
+
 enum rk_status rk_plan_file_match(const char *folder, const struct rk_plan *plan,
                                   struct rk_error *err) {
     struct rk_path path;

@@ -10,9 +10,14 @@
 
 #include "ensemble/study.h"
 
+#include <stdbool.h>
+
 /* Write plan.h5 into a study folder, by way of a temporary name. */
 enum rk_status rk_plan_file_write(const char *folder, const struct rk_plan *plan,
                                   struct rk_error *err);
+
+/* Is the folder's plan.h5 of this very plan, as far as its seal tells? */
+bool rk_plan_file_is(const char *folder, const struct rk_plan *plan);
 
 /* Is the folder this plan's, or may it grow into it? RK_ECONFLICT, naming the parameter, when it is
  * another's; RK_EFORMAT when plan.h5 is damaged, RK_EIO when it is not there. */

@@ -1,6 +1,7 @@
 /* Every integrator of the registry: its limit of stability, its order on a smooth problem, the
  * restitution it gives, momenta, and its first step after an interruption. */
 #include "engine/integrator.h"
+#include "tests/kit/scene_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -12,23 +13,21 @@
 
 #include <cmocka.h>
 
-static const double kn = 1000, mass = 0.25;
+static const double kn = 1000, mass = KIT_MASS;
 
 static struct rk_scene *scene_of(const struct rk_piece *integrator, const char *tension,
                                  double gamma, double dt, const struct rk_grain *grains,
                                  size_t count) {
-    struct rk_scene_spec spec = {
-        .grains = count,
-        .dt = dt,
-        .gamma = gamma,
-        .smallest = mass,
-        .contact = {.tension = rk_registry_find(&rk_tension_registry, tension), .kn = kn},
-        .accuracy = {.integrator = integrator, .skin = 0.2},
-        .health = {.overlap = 0.9, .travel = 100, .every = 1}};
-    struct rk_scene *scene = NULL;
-    assert_int_equal(rk_scene_create(&spec, &scene, NULL), RK_OK);
+    struct rk_scene_spec spec = kit_spec(count, 0);
+    spec.dt = dt;
+    spec.gamma = gamma;
+    spec.contact.friction = kit_piece(&rk_friction_registry, "none");
+    spec.contact.tension = kit_piece(&rk_tension_registry, tension);
+    spec.accuracy.integrator = integrator;
+    spec.health = (struct rk_health_spec){.overlap = 0.9, .travel = 100, .every = 1};
+    struct rk_scene *scene = kit_scene(&spec);
     for (size_t i = 0; i < count; i++) {
-        assert_int_equal(rk_scene_add_grain(scene, &grains[i], NULL), RK_OK);
+        kit_add(scene, grains[i]);
     }
     return scene;
 }
@@ -48,15 +47,12 @@ static struct rk_scene *oscillator(const struct rk_piece *integrator, double zet
 }
 
 static double place(const struct rk_scene *scene) {
-    struct rk_grain g;
-    assert_int_equal(rk_scene_grain(scene, 2, &g, NULL), RK_OK);
-    return g.x;
+    return kit_grain(scene, 2).x;
 }
 
 /* How far it is from rest, by its place or by what it moves in a step. */
 static double unrest(const struct rk_scene *scene) {
-    struct rk_grain g;
-    assert_int_equal(rk_scene_grain(scene, 2, &g, NULL), RK_OK);
+    struct rk_grain g = kit_grain(scene, 2);
     return fmax(fabs(g.x), fabs(g.vx) * rk_scene_spec(scene)->dt);
 }
 
@@ -74,9 +70,8 @@ static void limits_are_the_known_ones(void **state) {
                  {"gear5", {.938, .740, .419, .205, .147}, 1e-3},
                  {"verlet-implicit", {2, 2, 2, 2, 2}, 1e-3}};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
-        const struct rk_piece *integrator =
-            rk_registry_find(&rk_integrator_registry, known[i].name);
-        for (int k = 0; integrator && k < 5; k++) {
+        const struct rk_piece *integrator = kit_piece(&rk_integrator_registry, known[i].name);
+        for (int k = 0; k < 5; k++) {
             double limit = rk_integrator_limit(integrator, zeta[k]);
             assert_true(fabs(limit - known[i].limit[k]) <= known[i].within);
         }
@@ -122,12 +117,12 @@ static double oscillator_error(const struct rk_piece *integrator, double step, b
     double w0;
     struct rk_scene *scene = oscillator(integrator, zeta, step, &w0);
     uint64_t steps = (uint64_t)llround(end / step);
-    assert_int_equal(rk_scene_step(scene, steps / 2, NULL), RK_OK);
+    kit_step(scene, steps / 2);
     if (interrupted) {
         assert_int_equal(rk_scene_restart_clock(scene, step / w0, NULL), RK_OK);
         assert_int_equal(rk_scene_hold(scene, 0, true, NULL), RK_OK);
     }
-    assert_int_equal(rk_scene_step(scene, steps - steps / 2, NULL), RK_OK);
+    kit_step(scene, steps - steps / 2);
     double error = fabs(place(scene) - exact_place(zeta, 1e-3, end)) / 1e-3;
     rk_scene_free(scene);
     return error;
@@ -155,10 +150,8 @@ static double restitution(const struct rk_piece *integrator, double zeta, double
     const struct rk_grain pair[2] = {{.x = 0, .vx = 0.5, .radius = 0.5, .mass = mass},
                                      {.x = 1 - begin, .vx = -0.5, .radius = 0.5, .mass = mass}};
     struct rk_scene *scene = scene_of(integrator, "cut", 2 * zeta * m_eff * w0, step / w0, pair, 2);
-    assert_int_equal(rk_scene_step(scene, (uint64_t)ceil(18 / step), NULL), RK_OK);
-    struct rk_grain after[2];
-    rk_scene_grain(scene, 0, &after[0], NULL);
-    rk_scene_grain(scene, 1, &after[1], NULL);
+    kit_step(scene, (uint64_t)ceil(18 / step));
+    struct rk_grain after[2] = {kit_grain(scene, 0), kit_grain(scene, 1)};
     assert_true(after[1].x - after[0].x > 1); /* they have parted */
     assert_true(fabs(after[0].vx + after[1].vx) < 1e-13);
     rk_scene_free(scene);
@@ -266,13 +259,12 @@ static void heaps_keep_their_momenta(void **state) {
         for (int end = 0; end < 2; end++) {
             double *sum = end ? after : before;
             for (uint32_t i = 0; i < 9; i++) {
-                struct rk_grain g;
-                assert_int_equal(rk_scene_grain(scene, i, &g, NULL), RK_OK);
+                struct rk_grain g = kit_grain(scene, i);
                 sum[0] += g.mass * g.vx;
                 sum[1] += g.mass * g.vy;
                 sum[2] += g.mass * (g.x * g.vy - g.y * g.vx);
             }
-            assert_int_equal(rk_scene_step(scene, end ? 0 : 5000, NULL), RK_OK);
+            kit_step(scene, end ? 0 : 5000);
         }
         rk_scene_free(scene);
         print_message("%-16s momentum %.1e %.1e, angular %.1e\n", integrator_at(k)->name,
@@ -292,8 +284,8 @@ static void no_dashpot_makes_the_implicit_one_verlet(void **state) {
         const struct rk_grain pair[2] = {{.vx = 1, .vy = 0.1, .radius = 0.5, .mass = mass},
                                          {.x = 1.1, .y = 0.2, .radius = 0.6, .mass = 0.36}};
         struct rk_scene *scene = scene_of(both[k], "cut", 0, 1e-3, pair, 2);
-        assert_int_equal(rk_scene_step(scene, 500, NULL), RK_OK);
-        assert_int_equal(rk_scene_grain(scene, 1, &at[k], NULL), RK_OK);
+        kit_step(scene, 500);
+        at[k] = kit_grain(scene, 1);
         rk_scene_free(scene);
     }
     assert_memory_equal(&at[0].x, &at[1].x, 4 * sizeof(double));
