@@ -278,6 +278,12 @@ static void print(const struct outlook *o) {
                duration(o->wall_seconds, b), o->threads, o->threads == 1 ? "" : "s");
         printf("memory    %s\n", bytes(o->memory, a));
     }
+    if (study->until.request) {
+        double most = (double)study->until.max_replicas / (double)study->replicas;
+        printf(
+            "until     the above is the pilot; at most %llu replicas a point, %.3g grain-steps\n",
+            (unsigned long long)study->until.max_replicas, o->cost * most);
+    }
     printf("disk      %s at most\n", bytes(o->disk, a));
     for (size_t i = 0; i < o->warning_count; i++) {
         printf("warning   %s\n", o->warnings[i]);
