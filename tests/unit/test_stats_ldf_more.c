@@ -152,6 +152,7 @@ static void square_of_ornstein_uhlenbeck(void **state) {
     assert_true(limit->distance < 1 && limit->agreement == 1 && limit->misfit < 5);
     assert_non_null(strstr(limit->text, "as good as the limit"));
     rk_ldf_limit_free(limit);
+    free(x);
 }
 
 /* ---- Several windows ------------------------------------------------------------------------ */
