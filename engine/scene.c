@@ -1,12 +1,12 @@
 #include "engine/scene.h"
 
 #include "base/memory.h"
+#include "engine/close.h"
 #include "engine/contact.h"
 #include "engine/fields.h"
 #include "engine/health.h"
 #include "engine/integrator.h"
 #include "engine/kernel.h"
-#include "engine/lanes.h"
 #include "engine/ledger.h"
 #include "engine/neighbours.h"
 #include "engine/order.h"
@@ -107,12 +107,12 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     size_t n = scene->spec.grains;
     scene->grains.capacity = n;
     enum rk_status status = rk_fields_resize(scene, &rk_grain_fields, n, err);
-    /* Loops over grains take whole vectors: what lies behind the last grain is read, never used. */
-    scene->grains.force = rk_array_create(n + LANES, RK_FORCE_WIDTH * sizeof(double));
+    scene->grains.force = rk_array_create(n + RK_BLOCK, RK_FORCE_WIDTH * sizeof(double));
+    scene->grains.motion = rk_array_create(n + RK_BLOCK, RK_MOTION_WIDTH * sizeof(double));
     bool eased = true;
     if (scene->has[RK_IF_IMPLICIT]) {
-        scene->grains.ease = rk_array_create(n + LANES, sizeof(double));
-        scene->grains.spread = rk_array_create(n + LANES, RK_FORCE_WIDTH * sizeof(double));
+        scene->grains.ease = rk_array_create(n + RK_BLOCK, sizeof(double));
+        scene->grains.spread = rk_array_create(n + RK_BLOCK, RK_FORCE_WIDTH * sizeof(double));
         eased = scene->grains.ease && scene->grains.spread;
     }
     near->cell_of = rk_array_create(n, sizeof(uint32_t));
@@ -125,8 +125,9 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     if (status == RK_OK && scene->has[RK_IF_LEDGER]) {
         status = rk_ledger_create(scene, err);
     }
-    if (status == RK_OK && (!eased || !scene->grains.force || !near->cell_of || !near->in_cell ||
-                            !near->row_start || !scene->walls)) {
+    if (status == RK_OK &&
+        (!eased || !scene->grains.force || !scene->grains.motion || !near->cell_of ||
+         !near->in_cell || !near->row_start || !scene->walls)) {
         status = rk_fail(err, RK_EMEMORY, "no memory for a scene of %zu grains", n);
     }
     return status;
@@ -140,14 +141,31 @@ static void note_needs(struct rk_scene *scene) {
     scene->has[RK_ALWAYS] = true;
     scene->has[RK_IF_ROTATES] = contact->friction != &rk_friction_none.piece;
     scene->has[RK_IF_REMEMBERS] = springs || rolls || implicit;
-    scene->has[RK_IF_ROLLS] = rolls || implicit; /* histories come one after the other */
+    scene->has[RK_IF_SPRINGS] = springs;
+    scene->has[RK_IF_ROLLS] = rolls;
     scene->has[RK_IF_IMPLICIT] = implicit;
     scene->has[RK_IF_DERIVED] = rk_integrator_of(scene->spec.accuracy.integrator)->derivatives;
     scene->has[RK_IF_DERIVED_TURN] = scene->has[RK_IF_DERIVED] && scene->has[RK_IF_ROTATES];
     scene->has[RK_IF_LEDGER] = scene->spec.ledger;
-    scene->pairs.histories = implicit ? 3 : rolls ? 2 : springs ? 1 : 0;
-    scene->touching.histories = scene->pairs.histories;
     scene->wall_touching.histories = implicit ? 3 : 2;
+}
+
+bool rk_scene_keeps(const struct rk_scene *scene, int history) {
+    static const enum rk_need needs[RK_HISTORIES] = {
+        [RK_HISTORY_FT] = RK_IF_SPRINGS,
+        [RK_HISTORY_MOMENT] = RK_IF_ROLLS,
+        [RK_HISTORY_FN] = RK_IF_IMPLICIT,
+    };
+    return scene->has[needs[history]];
+}
+
+bool rk_scene_knows(const struct rk_scene *scene, int history) {
+    static const enum rk_need needs[RK_HISTORIES] = {
+        [RK_HISTORY_FT] = RK_IF_ROTATES,
+        [RK_HISTORY_MOMENT] = RK_IF_ROLLS,
+        [RK_HISTORY_FN] = RK_ALWAYS,
+    };
+    return scene->has[needs[history]];
 }
 
 enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene **scene,
@@ -210,6 +228,7 @@ void rk_scene_free(struct rk_scene *scene) {
         return;
     }
     rk_neighbours_free(scene);
+    rk_close_free(scene);
     rk_shares_free(scene);
     rk_walls_free(scene);
     rk_fields_free(scene, &rk_grain_fields);
@@ -218,6 +237,7 @@ void rk_scene_free(struct rk_scene *scene) {
     rk_fields_free(scene, &rk_ledger_fields);
     rk_fields_free(scene, &rk_lid_fields);
     free(scene->grains.force);
+    free(scene->grains.motion);
     free(scene->grains.ease);
     free(scene->grains.spread);
     free(scene->index_of);
@@ -431,13 +451,19 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
         }
     }
     since = tick(scene, RK_PHASE_NEIGHBOURS, since);
+    if (!rk_close_holds(scene)) {
+        rk_shares_pick(scene);
+    }
+    since = tick(scene, RK_PHASE_CLOSE, since);
     rk_shares_push(scene, law);
     since = tick(scene, RK_PHASE_PUSH, since);
     enum rk_status status = rk_walls_push(scene, law, err);
     tick(scene, RK_PHASE_WALLS, since);
     scene->profile.pairs += scene->pairs.count;
     for (size_t t = 0; t < scene->share_count; t++) {
-        scene->profile.contacts += scene->shares[t].touching.count;
+        const struct rk_close *close = &scene->shares[t].close;
+        scene->profile.contacts += close->touching;
+        scene->profile.close += close->end - close->own;
     }
     return status;
 }
@@ -445,6 +471,7 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
 enum rk_status rk_scene_add_forces(struct rk_scene *scene, double dt, struct rk_error *err) {
     struct rk_contact_law law;
     rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, dt);
+    scene->kernel->mirror(&scene->grains, 0, scene->grains.count);
     return add_forces(scene, &law, err);
 }
 

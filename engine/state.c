@@ -106,9 +106,9 @@ static enum rk_status check_block(const struct rk_scene *scene, const char *bloc
     return head == size ? RK_OK : damaged(err, "its length does not fit its contents");
 }
 
-static bool remembers_numbers(size_t histories, double *const history[RK_HISTORIES], size_t c) {
-    for (size_t h = 0; h < histories; h++) {
-        if (!isfinite(history[h][c])) {
+static bool remembers_numbers(double *const history[RK_HISTORIES], size_t c) {
+    for (size_t h = 0; h < RK_HISTORIES; h++) {
+        if (history[h] && !isfinite(history[h][c])) {
             return false;
         }
     }
@@ -123,7 +123,7 @@ static enum rk_status check_contacts(const struct rk_scene *scene, struct rk_err
         bool later = c == 0 || t->first[c] > t->first[c - 1] ||
                      (t->first[c] == t->first[c - 1] && t->second[c] > t->second[c - 1]);
         if (t->first[c] >= t->second[c] || t->second[c] >= n || !later ||
-            !remembers_numbers(t->histories, t->history, c)) {
+            !remembers_numbers(t->history, c)) {
             return damaged(err, "its contacts are out of order");
         }
     }
@@ -131,7 +131,7 @@ static enum rk_status check_contacts(const struct rk_scene *scene, struct rk_err
         if (w->wall[c] >= scene->wall_count ||
             w->primitive[c] >= scene->walls[w->wall[c]].primitive_count || w->grain[c] >= n ||
             (c > 0 && rk_wall_contact_key(w, c) <= rk_wall_contact_key(w, c - 1)) ||
-            !remembers_numbers(w->histories, w->history, c)) {
+            !remembers_numbers(w->history, c)) {
             return damaged(err, "its wall contacts are out of order");
         }
     }
