@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "engine/contact.h"
 #include "engine/fields.h"
+#include "engine/kernel.h"
 #include "engine/neighbours.h"
 
 #include <stdlib.h>
@@ -112,18 +113,17 @@ static struct rk_close stretch(const struct rk_close *all, size_t at) {
     return part;
 }
 
-/* One place more than there can be: a pair is written before it is known to be close. */
-static size_t room_of(const struct rk_share *share, size_t *own) {
-    size_t ghosts = whole_blocks(share->ghost_end - share->ghost_begin + 1);
-    *own = ghosts;
-    return ghosts + whole_blocks(share->pair_end - share->pair_begin + 1);
+/* A block more than there can be: pairs are written before they are known to be close. */
+static size_t room_of(const struct rk_share *share) {
+    size_t ghosts = whole_blocks(share->ghost_end - share->ghost_begin) + RK_BLOCK;
+    return ghosts + whole_blocks(share->pair_end - share->pair_begin) + RK_BLOCK;
 }
 
 enum rk_status rk_close_reserve(struct rk_scene *scene, struct rk_error *err) {
     enum rk_status status = list_ghosts(scene, err);
-    size_t room = 0, at = 0, own;
+    size_t room = 0, at = 0;
     for (size_t t = 0; t < scene->share_count; t++) {
-        room += room_of(&scene->shares[t], &own);
+        room += room_of(&scene->shares[t]);
     }
     /* Contacts of the last step always are among the pairs, unless positions are nonsense. */
     room = scene->touching.count > room ? scene->touching.count : room;
@@ -134,7 +134,7 @@ enum rk_status rk_close_reserve(struct rk_scene *scene, struct rk_error *err) {
         struct rk_share *share = &scene->shares[t];
         share->close = stretch(&scene->close, at);
         share->close.last = share->end;
-        at += room_of(share, &own);
+        at += room_of(share);
     }
     return status;
 }
@@ -173,91 +173,47 @@ void rk_close_return(struct rk_scene *scene, size_t share) {
     }
 }
 
-/* Pair p at place c; true if it is close, to be kept there. */
-static inline bool pick(const struct rk_scene *scene, struct rk_close *close, size_t c, size_t p,
-                        double skin) {
-    const struct rk_pairs *pairs = &scene->pairs;
-    const struct rk_grains *g = &scene->grains;
-    uint32_t i = pairs->first[p], j = pairs->second[p];
-    double dx = g->x[j] - g->x[i], dy = g->y[j] - g->y[i];
-    double reach = pairs->reach[p], far = reach + skin;
-    if (pairs->shift) {
-        dx += pairs->shift[p];
-        close->shift[c] = pairs->shift[p];
-    }
-    close->first[c] = i;
-    close->second[c] = j;
-    close->reach[c] = reach;
-    return dx * dx + dy * dy < far * far;
-}
-
-/* The rest of the entries begin to end, and fillers up to the next block: a pair of one grain with
- * itself, of radii so small that it does not touch and nothing is divided by 0. */
-static void complete(const struct rk_scene *scene, const struct rk_share *share, size_t begin,
-                     size_t end) {
+/* Fillers from entry c on to the next block: a pair of one grain with itself, of radii so small
+ * that it does not touch and nothing is divided by 0. */
+static void fill_up(const struct rk_share *share, size_t c) {
     const struct rk_close *close = &share->close;
-    const double *radius = scene->grains.radius, nothing = 1e-200;
-    for (size_t c = end; c < whole_blocks(end); c++) {
+    for (; c % RK_BLOCK != 0; c++) {
         close->first[c] = close->second[c] = (uint32_t)share->begin;
-        close->reach[c] = 2 * nothing;
+        close->reach[c] = 2e-200;
         if (close->shift) {
             close->shift[c] = 0;
         }
-    }
-    for (size_t c = begin; close->radius_first && c < whole_blocks(end); c++) {
-        close->radius_first[c] = c < end ? radius[close->first[c]] : nothing;
-        close->radius_second[c] = c < end ? radius[close->second[c]] : nothing;
-    }
-    for (int h = 0; h < RK_HISTORIES; h++) {
-        const double *history = scene->pairs.history[h];
-        for (size_t c = begin; close->history[h] && c < whole_blocks(end); c++) {
-            close->history[h][c] = history && c < end ? history[close->pair[c]] : 0;
+        if (close->radius_first) {
+            close->radius_first[c] = close->radius_second[c] = 1e-200;
+        }
+        for (int h = 0; h < RK_HISTORIES; h++) {
+            if (close->history[h]) {
+                close->history[h][c] = 0;
+            }
         }
     }
 }
 
 void rk_close_pick_ghosts(struct rk_scene *scene, size_t share) {
     struct rk_share *s = &scene->shares[share];
-    const double skin = rk_neighbours_close_skin(scene);
-    size_t count = 0;
-    for (size_t k = s->ghost_begin; k < s->ghost_end; k++) {
-        if (s->close.pair) {
-            s->close.pair[count] = scene->ghosts[k];
-        }
-        count += pick(scene, &s->close, count, scene->ghosts[k], skin);
-    }
-    complete(scene, s, 0, count);
-    s->close.ghosts = count;
-    s->close.own = whole_blocks(count);
+    s->close.ghosts = scene->kernel->pick_ghosts(
+        &scene->grains, &scene->pairs, rk_neighbours_close_skin(scene),
+        scene->ghosts + s->ghost_begin, s->ghost_end - s->ghost_begin, &s->close);
+    s->close.own = whole_blocks(s->close.ghosts);
+    fill_up(s, s->close.ghosts);
 }
 
 void rk_close_pick_own(struct rk_scene *scene, size_t share) {
     struct rk_share *s = &scene->shares[share];
-    const double skin = rk_neighbours_close_skin(scene);
-    size_t count = s->close.own, crossing = SIZE_MAX;
-    for (size_t p = s->pair_begin; p < s->pair_end; p++) {
-        if (s->close.pair) {
-            s->close.pair[count] = (uint32_t)p;
-        }
-        bool close = pick(scene, &s->close, count, p, skin);
-        if (crossing > count && close && s->close.second[count] >= s->end) {
-            crossing = count;
-        }
-        count += close;
+    struct rk_close *close = &s->close;
+    close->end = scene->kernel->pick(&scene->grains, &scene->pairs, rk_neighbours_close_skin(scene),
+                                     s->pair_begin, s->pair_end, close, close->own);
+    fill_up(s, close->end);
+    size_t c = s->end == scene->grains.count ? close->end : close->own;
+    while (c < close->end && close->second[c] < s->end) {
+        c++;
     }
-    complete(scene, s, s->close.own, count);
-    s->close.end = count;
-    s->close.crossing = crossing == SIZE_MAX ? whole_blocks(count) : crossing / RK_BLOCK * RK_BLOCK;
-    /* What a contact remembered that came apart in a single step is forgotten. */
-    for (int h = 0; h < RK_HISTORIES; h++) {
-        double *history = scene->pairs.history[h];
-        size_t c = s->close.own;
-        for (size_t p = s->pair_begin; history && p < s->pair_end; p++) {
-            bool close = c < count && s->close.pair[c] == p;
-            c += close;
-            history[p] = close ? history[p] : 0;
-        }
-    }
+    close->crossing = c == close->end ? whole_blocks(c) : c / RK_BLOCK * RK_BLOCK;
 }
 
 /* ---- Looking --------------------------------------------------------------------------------- */

@@ -69,7 +69,7 @@ static inline struct gear_component gear_turn(const struct rk_grains *g) {
 }
 
 static void gear_predict(struct rk_grains *grains, size_t begin, size_t end, double h,
-                         struct rk_bounds *moved) {
+                         const double gravity[2], struct rk_bounds *moved) {
     const struct gear_component gx = gear_x(grains), gy = gear_y(grains), turn = gear_turn(grains);
     struct span x = no_span(), y = no_span(), angle = no_span();
     for (size_t i = begin; i < end; i += LANES) {
@@ -79,7 +79,7 @@ static void gear_predict(struct rk_grains *grains, size_t begin, size_t end, dou
             gear_predict_some(&turn, i, end, h, &angle);
         }
     }
-    mirror(grains, begin, end);
+    ready(grains, begin, end, gravity);
     set_bounds(moved, &x, &y);
 }
 

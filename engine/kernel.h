@@ -27,15 +27,22 @@ struct rk_kernel {
     bool (*usable)(void); /* on this processor */
 
     /* Predict grains begin to end (begin a multiple of RK_BLOCK); `moved` gets the bounds of this
-     * step's moves. */
+     * step's moves. What the forces begin with is laid out: grains->motion, and the weights in
+     * grains->force, to which the contacts are added. */
     void (*predict[RK_SCHEMES])(struct rk_grains *grains, size_t begin, size_t end, double dt,
-                                struct rk_bounds *moved);
+                                const double gravity[2], struct rk_bounds *moved);
 
-    /* grains->motion from places and velocities; predict does that itself. */
-    void (*mirror)(struct rk_grains *grains, size_t begin, size_t end);
+    /* That layout alone, for places and velocities as they are. */
+    void (*ready)(struct rk_grains *grains, size_t begin, size_t end, const double gravity[2]);
 
-    /* grains->force: the weights of the grains, to which the contacts are added. */
-    void (*weigh)(struct rk_grains *grains, size_t begin, size_t end, const double gravity[2]);
+    /* The close ones among pairs begin to end, with what they remember, to close's places from c
+     * on; what the others remember is forgotten. Gives the place behind the last one. */
+    size_t (*pick)(const struct rk_grains *grains, const struct rk_pairs *pairs, double skin,
+                   size_t begin, size_t end, const struct rk_close *close, size_t c);
+
+    /* The close ones among `count` ghosts, to close's places from 0 on: how many they are. */
+    size_t (*pick_ghosts)(const struct rk_grains *grains, const struct rk_pairs *pairs, double skin,
+                          const uint32_t *ghosts, size_t count, const struct rk_close *close);
 
     /* For an implicit integrator, before push: grains->ease of a thread's grains begin to end, from
      * the pairs that touch now and the walls that touched a step ago. */
@@ -52,6 +59,10 @@ struct rk_kernel {
      * them, 0 if not at all. */
     void (*correct[RK_SCHEMES])(struct rk_grains *grains, size_t begin, size_t end, double dt,
                                 struct rk_bounds *moved);
+
+    /* Correct and predict the next step in one pass; NULL for a scheme without that. */
+    void (*advance[RK_SCHEMES])(struct rk_grains *grains, size_t begin, size_t end, double dt,
+                                const double gravity[2], struct rk_bounds *moved);
 };
 
 extern const struct rk_kernel rk_kernel_portable, rk_kernel_avx2, rk_kernel_avx512;

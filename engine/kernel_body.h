@@ -14,6 +14,7 @@
 
 #include "engine/integrator_implicit.h"
 #include "engine/kernel_move.h"
+#include "engine/kernel_pick.h"
 #include "engine/kernel_push.h"
 
 /* Every flavour there is, by name. Rolling needs friction, for without it nothing turns. */
@@ -58,8 +59,9 @@ const struct rk_kernel KERNEL_TABLE = {
     .piece = {KERNEL_NAME, KERNEL_DOC},
     .usable = KERNEL_USABLE,
     .predict = {[RK_SCHEME_VERLET] = predict, [RK_SCHEME_GEAR5] = gear_predict},
-    .mirror = mirror,
-    .weigh = weigh,
+    .ready = ready,
+    .pick = pick,
+    .pick_ghosts = pick_ghosts,
     .ease = implicit_ease,
     .push = {{TABLE_OF(push, linear), TABLE_OF(push, mass_damped), TABLE_OF(push, viscoelastic)},
              {TABLE_OF(push, linear_implicit), TABLE_OF(push, mass_damped_implicit),
@@ -68,5 +70,6 @@ const struct rk_kernel KERNEL_TABLE = {
                TABLE_OF(press, viscoelastic)},
               {TABLE_OF(press, linear_implicit), TABLE_OF(press, mass_damped_implicit),
                TABLE_OF(press, viscoelastic_implicit)}},
+    .advance = {[RK_SCHEME_VERLET] = advance},
     .correct = {[RK_SCHEME_VERLET] = correct, [RK_SCHEME_GEAR5] = gear_correct},
 };

@@ -50,9 +50,16 @@ static INLINE lanes course_predict(struct course *c, double dt, double half_dt2)
 }
 
 /* b is the new acceleration. */
+static INLINE void course_correct(struct course *c, lanes b, double half) {
+    c->v += (b - c->a) * half;
+    c->a = b;
+}
+
 static INLINE void correct_some(double *v, double *a, lanes b, double half) {
-    lanes_store(v, lanes_load(v) + (b - lanes_load(a)) * half);
-    lanes_store(a, b);
+    struct course c = {b, lanes_load(v), lanes_load(a)};
+    course_correct(&c, b, half);
+    lanes_store(v, c.v);
+    lanes_store(a, c.a);
 }
 
 /* Arrays are padded to whole vectors. The empty places behind the last grain would bring a move of
@@ -67,43 +74,78 @@ static void pad(struct rk_grains *grains) {
     }
 }
 
-/* Places and velocities as rows, for loops that take them out of order. */
-static void mirror(struct rk_grains *grains, size_t begin, size_t end) {
+/* What the forces of a step begin with: places and velocities as rows, for loops that take them out
+ * of order, and the weights. Sums that begin with + 0 never become - 0, so that a force of 0 or -
+ * 0, which a pair that does not touch adds, cannot be seen in them. */
+static INLINE void lay_out(struct rk_grains *grains, size_t i, const double gravity[2], lanes x,
+                           lanes y, lanes vx, lanes vy) {
+    const lanes mass = lanes_load(grains->mass + i), none = lanes_all(0);
+    lanes_store_rows(grains->motion + RK_MOTION_WIDTH * i, x, y, vx, vy);
+    lanes_store_rows(grains->force + RK_FORCE_WIDTH * i, mass * gravity[0] + none,
+                     mass * gravity[1] + none, none, none);
+}
+
+static void ready(struct rk_grains *grains, size_t begin, size_t end, const double gravity[2]) {
     for (size_t i = begin; i < end; i += LANES) {
-        lanes_store_rows(grains->motion + RK_MOTION_WIDTH * i, lanes_load(grains->x + i),
-                         lanes_load(grains->y + i), lanes_load(grains->vx + i),
-                         lanes_load(grains->vy + i));
+        lay_out(grains, i, gravity, lanes_load(grains->x + i), lanes_load(grains->y + i),
+                lanes_load(grains->vx + i), lanes_load(grains->vy + i));
     }
 }
 
 #include "engine/integrator_gear5.h"
 
+/* One component of some grains: what memory holds of it. */
+struct track {
+    double *r, *v, *a;
+};
+
+/* Predict from a corrected course, which is stored. */
+static INLINE lanes take_course(const struct track *t, size_t i, struct course *c, double dt,
+                                double half_dt2) {
+    lanes move = course_predict(c, dt, half_dt2);
+    lanes_store(t->r + i, c->r);
+    lanes_store(t->v + i, c->v);
+    return move;
+}
+
+static INLINE void predict_some(struct rk_grains *grains, size_t i, bool corrects, double dt,
+                                const double gravity[2], struct span *span_x, struct span *span_y) {
+    const struct track tracks[3] = {{grains->x, grains->vx, grains->ax},
+                                    {grains->y, grains->vy, grains->ay},
+                                    {grains->angle, grains->omega, grains->alpha}};
+    const size_t count = grains->omega ? 3 : 2;
+    const double half = 0.5 * dt, half_dt2 = 0.5 * dt * dt;
+    struct course course[3];
+    lanes move[3], force[3], inverse_mass = lanes_all(0);
+    if (corrects) {
+        lanes_load_rows(grains->force + RK_FORCE_WIDTH * i, &force[0], &force[1], &force[2]);
+        inverse_mass = lanes_load(grains->inverse_mass + i);
+    }
+    for (size_t k = 0; k < count; k++) {
+        const struct track *t = &tracks[k];
+        course[k] = course_load(t->r + i, t->v + i, t->a + i);
+        if (corrects) {
+            lanes inverse = k < 2 ? inverse_mass : lanes_load(grains->inverse_inertia + i);
+            course_correct(&course[k], force[k] * inverse, half);
+            lanes_store(t->a + i, course[k].a);
+        }
+        move[k] = take_course(t, i, &course[k], dt, half_dt2);
+    }
+    widen(span_x, move[0]);
+    widen(span_y, move[1]);
+    lay_out(grains, i, gravity, course[0].r, course[1].r, course[0].v, course[1].v);
+}
+
 static void predict(struct rk_grains *grains, size_t begin, size_t end, double dt,
-                    struct rk_bounds *moved) {
-    const double half_dt2 = 0.5 * dt * dt;
-    struct span span_x = no_span(), span_y = no_span();
+                    const double gravity[2], struct rk_bounds *moved) {
+    struct span x = no_span(), y = no_span();
     if (end == grains->count) {
         pad(grains);
     }
     for (size_t i = begin; i < end; i += LANES) {
-        struct course x = course_load(grains->x + i, grains->vx + i, grains->ax + i);
-        struct course y = course_load(grains->y + i, grains->vy + i, grains->ay + i);
-        widen(&span_x, course_predict(&x, dt, half_dt2));
-        widen(&span_y, course_predict(&y, dt, half_dt2));
-        lanes_store(grains->x + i, x.r);
-        lanes_store(grains->y + i, y.r);
-        lanes_store(grains->vx + i, x.v);
-        lanes_store(grains->vy + i, y.v);
-        lanes_store_rows(grains->motion + RK_MOTION_WIDTH * i, x.r, y.r, x.v, y.v);
-        if (grains->omega) {
-            struct course turn =
-                course_load(grains->angle + i, grains->omega + i, grains->alpha + i);
-            course_predict(&turn, dt, half_dt2);
-            lanes_store(grains->angle + i, turn.r);
-            lanes_store(grains->omega + i, turn.v);
-        }
+        predict_some(grains, i, false, dt, gravity, &x, &y);
     }
-    set_bounds(moved, &span_x, &span_y);
+    set_bounds(moved, &x, &y);
 }
 
 static void correct(struct rk_grains *grains, size_t begin, size_t end, double dt,
@@ -123,13 +165,20 @@ static void correct(struct rk_grains *grains, size_t begin, size_t end, double d
     }
 }
 
-/* Sums that begin with + 0 never become - 0, so that a force of 0 or - 0, which a pair that does
- * not touch adds, cannot be seen in them. */
-static void weigh(struct rk_grains *grains, size_t begin, size_t end, const double gravity[2]) {
-    const lanes none = lanes_all(0);
-    for (size_t i = begin; i < end; i += LANES) {
-        lanes mass = lanes_load(grains->mass + i);
-        lanes_store_rows(grains->force + RK_FORCE_WIDTH * i, mass * gravity[0] + none,
-                         mass * gravity[1] + none, none, none);
+/* The last few grains, which fill no vector, are corrected before the places behind them are
+ * padded. */
+static void advance(struct rk_grains *grains, size_t begin, size_t end, double dt,
+                    const double gravity[2], struct rk_bounds *moved) {
+    const size_t whole = end - (end - begin) % LANES;
+    struct span x = no_span(), y = no_span();
+    for (size_t i = begin; i < whole; i += LANES) {
+        predict_some(grains, i, true, dt, gravity, &x, &y);
+    }
+    set_bounds(moved, &x, &y);
+    if (whole < end) {
+        struct rk_bounds rest;
+        correct(grains, whole, end, dt, &rest);
+        predict(grains, whole, end, dt, gravity, &rest);
+        rk_bounds_join(moved, &rest);
     }
 }

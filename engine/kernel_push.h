@@ -70,35 +70,126 @@ static INLINE void mix(const struct rk_contact_law *law, const uint32_t *materia
     }
 }
 
-/* Forces on their way from contacts to grains, a row for each: fx, fy of the second grain, then the
- * torque of the first turned round and the torque of the second; without rotation fx, fy only. For
- * every grain there is one order in which its forces are ever added up: its weight, contacts in
- * which it is second, contacts in which it is first, each in ascending order of the other grain;
- * then walls. */
-struct rows {
-    _Alignas(RK_CACHE_LINE) double at[4 * LANES];
+/* How LANES close pairs lie and move. */
+struct view {
+    lanes nx, ny, ux, uy;
+    lanes overlap, share; /* share: distance over the sum of the radii */
+    lanes_mask touch;
 };
 
-static INLINE void give_first(bool rotates, double *total, const struct rows *rows, size_t l,
-                              size_t i) {
+/* Close pairs c to c + LANES. */
+static INLINE struct view measure(const struct flavour f, const struct rk_grains *grains,
+                                  const struct rk_close *close, size_t c) {
+    const lanes one = lanes_all(1);
+    lanes xi, yi, vxi, vyi, xj, yj, vxj, vyj;
+    lanes_gather_rows(grains->motion, close->first + c, &xi, &yi, &vxi, &vyi);
+    lanes_gather_rows(grains->motion, close->second + c, &xj, &yj, &vxj, &vyj);
+    lanes dx = xj - xi, dy = yj - yi, reach = lanes_load(close->reach + c);
+    if (close->shift) {
+        dx += lanes_load(close->shift + c);
+    }
+    lanes d2 = dx * dx + dy * dy;
+    const lanes_mask touch = lanes_below(d2, reach * reach);
+    d2 = lanes_choose(touch, d2, one); /* all numbers stay finite */
+    lanes distance = lanes_root(d2);
+    lanes quotient = 1 / (distance * reach); /* one division for the two that are needed */
+    lanes inverse = reach * quotient;
+    return (struct view){.nx = dx * inverse,
+                         .ny = dy * inverse,
+                         .ux = vxj - vxi,
+                         .uy = vyj - vyi,
+                         .overlap = reach - distance,
+                         .share = f.tangent != RK_SMOOTH ? d2 * quotient : one,
+                         .touch = touch};
+}
+
+/* Those that do not touch get a force of 0 and nothing to remember. */
+static INLINE void decide(const struct flavour f, const struct rk_grains *grains,
+                          const struct rk_contact_law *law, const struct rk_close *close, size_t c,
+                          const struct view *v, double *rows) {
+    const bool rotates = f.tangent != RK_SMOOTH;
+    const uint32_t *i = close->first + c, *j = close->second + c;
+    uint32_t index[LANES];
+    struct meeting m = {.rough = lanes_all(1), .overlap = v->overlap};
+    lanes nx = v->nx, ny = v->ny;
+    lanes ux = v->ux, uy = v->uy;
+    lanes fn = lanes_all(0), ft = fn, moment = fn, radius_i = fn, radius_j = fn;
+    lanes arm_i = fn, arm_j = fn;
+    m.rate = -(ux * nx + uy * ny);
+    if (rotates || f.normal == RK_VISCOELASTIC) {
+        radius_i = lanes_load(close->radius_first + c);
+        radius_j = lanes_load(close->radius_second + c);
+    }
+    if (f.normal == RK_MASS_DAMPED) {
+        lanes mass_i = lanes_gather(grains->mass, i), mass_j = lanes_gather(grains->mass, j);
+        m.reduced_mass = mass_i * mass_j / (mass_i + mass_j);
+    }
+    if (f.normal == RK_VISCOELASTIC || f.rolls) {
+        m.reduced_radius = radius_i * radius_j / (radius_i + radius_j);
+    }
     if (rotates) {
-        four_subtract(total + RK_FORCE_WIDTH * i, rows->at + 4 * l);
+        lanes omega_i = lanes_gather(grains->omega, i), omega_j = lanes_gather(grains->omega, j);
+        lanes share = v->share;
+        arm_i = radius_i * share;
+        arm_j = radius_j * share;
+        m.slip = uy * nx - ux * ny - arm_i * omega_i - arm_j * omega_j;
+        m.spin = omega_i - omega_j;
+    }
+    if (f.mixed) {
+        mix(law, grains->material, i, j, index);
+    }
+    if (f.implicit) {
+        m.ease = lanes_gather(grains->ease, i) + lanes_gather(grains->ease, j);
+        fn = lanes_load(close->history[RK_HISTORY_FN] + c);
+    }
+    if (f.tangent == RK_CUNDALL_STRACK) {
+        ft = lanes_load(close->history[RK_HISTORY_FT] + c);
+    }
+    if (f.rolls) {
+        moment = lanes_load(close->history[RK_HISTORY_MOMENT] + c);
+    }
+    struct answer a = resist(f, law, index, &m, fn, ft, moment);
+    a.fn = lanes_only(v->touch, a.fn);
+    lanes_store(close->history[RK_HISTORY_FN] + c, a.fn);
+    lanes fx = a.fn * nx, fy = a.fn * ny;
+    if (!rotates) {
+        lanes_store_twos(rows, fx, fy);
+        return;
+    }
+    a.ft = lanes_only(v->touch, a.ft);
+    lanes_store(close->history[RK_HISTORY_FT] + c, a.ft);
+    lanes turn_i = arm_i * a.ft, turn_j = -(arm_j * a.ft);
+    if (f.rolls) {
+        a.moment = lanes_only(v->touch, a.moment);
+        lanes_store(close->history[RK_HISTORY_MOMENT] + c, a.moment);
+        turn_i += a.moment;
+        turn_j += a.moment;
+    }
+    lanes_store_rows(rows, fx - a.ft * ny, fy + a.ft * nx, turn_i, turn_j);
+}
+
+/* For every grain there is one order in which its forces are ever added up: its weight, contacts in
+ * which it is second, contacts in which it is first, each in ascending order of the other grain;
+ * then walls. */
+static INLINE void give_first(bool rotates, double *total, const double *rows, size_t l, size_t i) {
+    if (rotates) {
+        four_subtract(total + RK_FORCE_WIDTH * i, rows + 4 * l);
     } else {
-        two_subtract(total + RK_FORCE_WIDTH * i, rows->at + lanes_row_of_two(l));
+        two_subtract(total + RK_FORCE_WIDTH * i, rows + lanes_row_of_two(l));
     }
 }
 
-static INLINE void give_second(bool rotates, double *total, const struct rows *rows, size_t l,
+static INLINE void give_second(bool rotates, double *total, const double *rows, size_t l,
                                size_t j) {
     if (rotates) {
-        four_add_exchanged(total + RK_FORCE_WIDTH * j, rows->at + 4 * l);
+        four_add_exchanged(total + RK_FORCE_WIDTH * j, rows + 4 * l);
     } else {
-        two_add(total + RK_FORCE_WIDTH * j, rows->at + lanes_row_of_two(l));
+        two_add(total + RK_FORCE_WIDTH * j, rows + lanes_row_of_two(l));
     }
 }
 
-/* The rows of contacts c to c + LANES: to the grains of this thread only. */
-static INLINE void give(bool rotates, double *total, const struct rows *rows,
+/* The rows of close pairs c to c + LANES: to the grains of this thread only. */
+static INLINE void give(bool rotates, double *total, const double *rows,
                         const struct rk_close *close, size_t c) {
     const uint32_t *i = close->first + c, *j = close->second + c;
     if (c >= close->own && c < close->crossing) {
@@ -118,95 +209,26 @@ static INLINE void give(bool rotates, double *total, const struct rows *rows,
     }
 }
 
-/* Close pairs, those that do not touch with a force of 0 and nothing to remember. */
+/* Each round looks at the next pairs before it deals with those it has looked at: roots and
+ * quotients of the ones are worked out while the others are summed. */
 static INLINE void push(const struct flavour f, struct rk_grains *grains,
-                        const struct rk_contact_law *law, struct rk_close *close) {
-    const bool rotates = f.tangent != RK_SMOOTH;
-    const bool radii = rotates || f.normal == RK_VISCOELASTIC;
-    const lanes none = lanes_all(0), one = lanes_all(1);
+                        const struct rk_contact_law *law, struct rk_close *list) {
+    const struct rk_close close = *list; /* nothing that is stored can change these */
+    const struct rk_grains g = *grains;
+    _Alignas(RK_CACHE_LINE) double rows[4 * LANES];
     size_t touching = 0;
-    for (size_t c = 0; c < close->end; c += LANES) {
-        const uint32_t *i = close->first + c, *j = close->second + c;
-        uint32_t index[LANES];
-        struct meeting m = {.rough = one};
-        struct rows rows;
-        lanes xi, yi, vxi, vyi, xj, yj, vxj, vyj, radius_i = none, radius_j = none, reach;
-        lanes_gather_rows(grains->motion, i, &xi, &yi, &vxi, &vyi);
-        lanes_gather_rows(grains->motion, j, &xj, &yj, &vxj, &vyj);
-        lanes dx = xj - xi, dy = yj - yi;
-        if (close->shift) {
-            dx += lanes_load(close->shift + c);
-        }
-        if (radii) {
-            radius_i = lanes_load(close->radius_first + c);
-            radius_j = lanes_load(close->radius_second + c);
-            reach = radius_i + radius_j;
-        } else {
-            reach = lanes_load(close->reach + c);
-        }
-        lanes d2 = dx * dx + dy * dy;
-        const lanes_mask touch = lanes_below(d2, reach * reach);
-        d2 = lanes_choose(touch, d2, one); /* all numbers stay finite */
-        lanes distance = lanes_root(d2);
-        lanes quotient = 1 / (distance * reach); /* one division for the two that are needed */
-        lanes inverse = reach * quotient, share = d2 * quotient;
-        lanes nx = dx * inverse, ny = dy * inverse;
-        lanes ux = vxj - vxi, uy = vyj - vyi;
-        lanes arm_i = none, arm_j = none, fn = none, ft = none, moment = none;
-        m.overlap = reach - distance;
-        m.rate = -(ux * nx + uy * ny);
-        if (f.normal == RK_MASS_DAMPED) {
-            lanes mass_i = lanes_gather(grains->mass, i), mass_j = lanes_gather(grains->mass, j);
-            m.reduced_mass = mass_i * mass_j / (mass_i + mass_j);
-        }
-        if (f.normal == RK_VISCOELASTIC || f.rolls) {
-            m.reduced_radius = radius_i * radius_j / reach;
-        }
-        if (rotates) {
-            lanes omega_i = lanes_gather(grains->omega, i),
-                  omega_j = lanes_gather(grains->omega, j);
-            arm_i = radius_i * share;
-            arm_j = radius_j * share;
-            m.slip = uy * nx - ux * ny - arm_i * omega_i - arm_j * omega_j;
-            m.spin = omega_i - omega_j;
-        }
-        if (f.mixed) {
-            mix(law, grains->material, i, j, index);
-        }
-        if (f.implicit) {
-            m.ease = lanes_gather(grains->ease, i) + lanes_gather(grains->ease, j);
-            fn = lanes_load(close->history[RK_HISTORY_FN] + c);
-        }
-        if (f.tangent == RK_CUNDALL_STRACK) {
-            ft = lanes_load(close->history[RK_HISTORY_FT] + c);
-        }
-        if (f.rolls) {
-            moment = lanes_load(close->history[RK_HISTORY_MOMENT] + c);
-        }
-        struct answer a = resist(f, law, index, &m, fn, ft, moment);
-        a.fn = lanes_only(touch, a.fn);
-        lanes_store(close->history[RK_HISTORY_FN] + c, a.fn);
-        lanes fx = a.fn * nx, fy = a.fn * ny;
-        if (rotates) {
-            a.ft = lanes_only(touch, a.ft);
-            lanes_store(close->history[RK_HISTORY_FT] + c, a.ft);
-            fx -= a.ft * ny;
-            fy += a.ft * nx;
-            lanes turn_i = arm_i * a.ft, turn_j = -(arm_j * a.ft);
-            if (f.rolls) {
-                a.moment = lanes_only(touch, a.moment);
-                lanes_store(close->history[RK_HISTORY_MOMENT] + c, a.moment);
-                turn_i += a.moment;
-                turn_j += a.moment;
-            }
-            lanes_store_rows(rows.at, fx, fy, turn_i, turn_j);
-        } else {
-            lanes_store_twos(rows.at, fx, fy);
-        }
-        give(rotates, grains->force, &rows, close, c);
-        touching += c >= close->own ? lanes_tally(touch) : 0;
+    struct view view, next;
+    if (close.end > 0) {
+        next = measure(f, &g, &close, 0);
     }
-    close->touching = touching;
+    for (size_t c = 0; c < close.end; c += LANES) {
+        view = next;
+        next = measure(f, &g, &close, c + LANES < close.end ? c + LANES : c);
+        decide(f, &g, law, &close, c, &view, rows);
+        give(f.tangent != RK_SMOOTH, g.force, rows, &close, c);
+        touching += c >= close.own ? lanes_tally(view.touch) : 0;
+    }
+    list->touching = touching;
 }
 
 /* The same at walls, with the wall as an infinitely large and heavy partner. */

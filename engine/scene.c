@@ -471,7 +471,7 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
 enum rk_status rk_scene_add_forces(struct rk_scene *scene, double dt, struct rk_error *err) {
     struct rk_contact_law law;
     rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, dt);
-    scene->kernel->mirror(&scene->grains, 0, scene->grains.count);
+    scene->kernel->ready(&scene->grains, 0, scene->grains.count, scene->spec.gravity);
     return add_forces(scene, &law, err);
 }
 
@@ -525,9 +525,22 @@ void rk_scene_index_tags(struct rk_scene *scene) {
     }
 }
 
-static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_law *law,
-                                struct rk_error *err) {
-    const enum rk_scheme scheme = rk_integrator_of(scene->spec.accuracy.integrator)->scheme;
+/* How far a call has come. */
+struct progress {
+    uint64_t left;         /* steps to be done after this one */
+    bool ahead;            /* the grains are predicted already */
+    struct rk_bounds move; /* how far that moves them */
+};
+
+/* Nothing looks at the grains between this step and the next one. */
+static bool goes_on(const struct rk_scene *scene, enum rk_scheme scheme, const struct progress *p) {
+    return scene->kernel->advance[scheme] && p->left > 0 && !scene->has[RK_IF_LEDGER] &&
+           scene->steps % RK_ORDER_EVERY != 0 && !rk_health_due(scene, &p->move);
+}
+
+/* Before the forces of a step: order, grains and walls. */
+static enum rk_status begin_step(struct rk_scene *scene, enum rk_scheme scheme, struct progress *p,
+                                 struct rk_error *err) {
     enum rk_status status = RK_OK;
     if (scene->steps % RK_ORDER_EVERY == 0) {
         rk_shares_gather(scene);
@@ -541,32 +554,42 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
         return status;
     }
     uint64_t since = scene->now ? scene->now() : 0;
-    struct rk_bounds move = rk_shares_predict(scene, scheme);
+    if (!p->ahead) {
+        p->move = rk_shares_predict(scene, scheme);
+    }
     if (scene->has[RK_IF_LIDS]) {
         rk_lids_predict(scene);
     }
     rk_walls_move(scene, (double)(scene->steps + 1) * scene->spec.dt);
     tick(scene, RK_PHASE_MOVE, since);
-    status = add_forces(scene, law, err);
-    if (status) {
-        return status;
-    }
-    since = scene->now ? scene->now() : 0;
-    struct rk_bounds more = rk_shares_correct(scene, scheme, scene->spec.dt);
-    for (int k = 0; k < 2; k++) {
-        move.low[k] += more.low[k];
-        move.high[k] += more.high[k];
-    }
+    return RK_OK;
+}
+
+/* After them. */
+static enum rk_status end_step(struct rk_scene *scene, enum rk_scheme scheme, struct progress *p,
+                               struct rk_error *err) {
+    uint64_t since = scene->now ? scene->now() : 0;
     if (scene->has[RK_IF_LIDS]) {
         rk_lids_correct(scene, scene->spec.dt);
     }
-    tick(scene, RK_PHASE_MOVE, since);
     scene->steps++;
+    p->ahead = goes_on(scene, scheme, p);
+    if (p->ahead) {
+        p->move = rk_shares_advance(scene, scheme);
+        tick(scene, RK_PHASE_MOVE, since);
+        return RK_OK;
+    }
+    struct rk_bounds more = rk_shares_correct(scene, scheme, scene->spec.dt);
+    for (int k = 0; k < 2; k++) {
+        p->move.low[k] += more.low[k];
+        p->move.high[k] += more.high[k];
+    }
+    tick(scene, RK_PHASE_MOVE, since);
     if (scene->has[RK_IF_LEDGER]) {
         rk_shares_gather(scene);
         rk_ledger_step(scene);
     }
-    if (!rk_health_due(scene, &move)) {
+    if (!rk_health_due(scene, &p->move)) {
         return RK_OK;
     }
     rk_shares_gather(scene);
@@ -574,12 +597,17 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
 }
 
 enum rk_status rk_scene_step(struct rk_scene *scene, uint64_t steps, struct rk_error *err) {
+    const enum rk_scheme scheme = rk_integrator_of(scene->spec.accuracy.integrator)->scheme;
+    struct progress progress = {.ahead = false};
     struct rk_contact_law law;
     rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count,
                         scene->spec.dt);
     enum rk_status status = scene->ready ? RK_OK : rk_scene_get_ready(scene, err);
     for (uint64_t s = 0; status == RK_OK && s < steps; s++) {
-        status = step_once(scene, &law, err);
+        progress.left = steps - s - 1;
+        status = begin_step(scene, scheme, &progress, err);
+        status = status ? status : add_forces(scene, &law, err);
+        status = status ? status : end_step(scene, scheme, &progress, err);
     }
     rk_shares_gather(scene);
     return status;

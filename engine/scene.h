@@ -97,6 +97,14 @@ struct rk_bounds {
     double low[2], high[2];
 };
 
+/* Widen bounds to hold others as well. */
+static inline void rk_bounds_join(struct rk_bounds *all, const struct rk_bounds *part) {
+    for (int k = 0; k < 2; k++) {
+        all->low[k] = part->low[k] < all->low[k] ? part->low[k] : all->low[k];
+        all->high[k] = part->high[k] > all->high[k] ? part->high[k] : all->high[k];
+    }
+}
+
 /* What one thread does: rows of the pair list, which are grains, and their pairs and contacts. */
 struct rk_share {
     size_t begin, end; /* grains; begin is a multiple of the vector width */

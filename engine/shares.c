@@ -61,11 +61,7 @@ static struct rk_bounds gather_moves(struct rk_scene *scene) {
         return (struct rk_bounds){{0, 0}, {0, 0}};
     }
     for (size_t t = 1; t < scene->share_count; t++) {
-        const struct rk_bounds *part = &scene->shares[t].moved;
-        for (int k = 0; k < 2; k++) {
-            most.low[k] = part->low[k] < most.low[k] ? part->low[k] : most.low[k];
-            most.high[k] = part->high[k] > most.high[k] ? part->high[k] : most.high[k];
-        }
+        rk_bounds_join(&most, &scene->shares[t].moved);
     }
     for (int k = 0; k < 2; k++) {
         moved->low[k] += most.low[k];
@@ -76,27 +72,40 @@ static struct rk_bounds gather_moves(struct rk_scene *scene) {
     return most;
 }
 
-struct rk_bounds rk_shares_predict(struct rk_scene *scene, enum rk_scheme scheme) {
-    const double dt = scene->spec.dt;
-    size_t blocks = (scene->grains.count + RK_BLOCK - 1) / RK_BLOCK, threads = scene->share_count;
+enum pass { PREDICT, CORRECT, ADVANCE };
+
+static struct rk_bounds move(struct rk_scene *scene, enum pass pass, enum rk_scheme scheme,
+                             double dt) {
+    const struct rk_kernel *kernel = scene->kernel;
+    const double *gravity = scene->spec.gravity;
+    struct rk_grains *g = &scene->grains;
+    size_t blocks = (g->count + RK_BLOCK - 1) / RK_BLOCK, threads = scene->share_count;
 #pragma omp parallel for num_threads((int)threads) schedule(static) if (threads > 1)
     for (size_t t = 0; t < threads; t++) {
         size_t begin = blocks * t / threads * RK_BLOCK, end = blocks * (t + 1) / threads * RK_BLOCK;
-        end = end < scene->grains.count ? end : scene->grains.count;
-        scene->kernel->predict[scheme](&scene->grains, begin, end, dt, &scene->shares[t].moved);
+        struct rk_bounds *moved = &scene->shares[t].moved;
+        end = end < g->count ? end : g->count;
+        if (pass == PREDICT) {
+            kernel->predict[scheme](g, begin, end, dt, gravity, moved);
+        } else if (pass == CORRECT) {
+            kernel->correct[scheme](g, begin, end, dt, moved);
+        } else {
+            kernel->advance[scheme](g, begin, end, dt, gravity, moved);
+        }
     }
     return gather_moves(scene);
 }
 
+struct rk_bounds rk_shares_predict(struct rk_scene *scene, enum rk_scheme scheme) {
+    return move(scene, PREDICT, scheme, scene->spec.dt);
+}
+
 struct rk_bounds rk_shares_correct(struct rk_scene *scene, enum rk_scheme scheme, double dt) {
-    size_t blocks = (scene->grains.count + RK_BLOCK - 1) / RK_BLOCK, threads = scene->share_count;
-#pragma omp parallel for num_threads((int)threads) schedule(static) if (threads > 1)
-    for (size_t t = 0; t < threads; t++) {
-        size_t begin = blocks * t / threads * RK_BLOCK, end = blocks * (t + 1) / threads * RK_BLOCK;
-        end = end < scene->grains.count ? end : scene->grains.count;
-        scene->kernel->correct[scheme](&scene->grains, begin, end, dt, &scene->shares[t].moved);
-    }
-    return gather_moves(scene);
+    return move(scene, CORRECT, scheme, dt);
+}
+
+struct rk_bounds rk_shares_advance(struct rk_scene *scene, enum rk_scheme scheme) {
+    return move(scene, ADVANCE, scheme, scene->spec.dt);
 }
 
 void rk_shares_pick(struct rk_scene *scene) {
@@ -121,7 +130,7 @@ void rk_shares_pick(struct rk_scene *scene) {
 }
 
 void rk_shares_touch(struct rk_scene *scene) {
-    scene->kernel->mirror(&scene->grains, 0, scene->grains.count);
+    scene->kernel->ready(&scene->grains, 0, scene->grains.count, scene->spec.gravity);
     rk_shares_pick(scene);
     scene->scattered = true;
     rk_shares_gather(scene);
@@ -160,10 +169,8 @@ void rk_shares_recall(struct rk_scene *scene) {
     all->count = count;
 }
 
-/* The weights of a share's grains and the forces of their contacts. */
 static void push(struct rk_scene *scene, const struct rk_contact_law *law, size_t t) {
     struct rk_share *share = &scene->shares[t];
-    scene->kernel->weigh(&scene->grains, share->begin, share->end, scene->spec.gravity);
     scene->kernel->push[law->implicit][law->normal][law->tangent][law->rolls][law->materials > 1](
         &scene->grains, law, &share->close);
 }

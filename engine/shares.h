@@ -25,6 +25,9 @@ enum rk_status rk_shares_cut(struct rk_scene *scene, struct rk_error *err);
 struct rk_bounds rk_shares_predict(struct rk_scene *scene, enum rk_scheme scheme);
 struct rk_bounds rk_shares_correct(struct rk_scene *scene, enum rk_scheme scheme, double dt);
 
+/* Correct, and predict the next step, in one pass: where the kernel has it for this scheme. */
+struct rk_bounds rk_shares_advance(struct rk_scene *scene, enum rk_scheme scheme);
+
 /* Pick the close pairs anew. */
 void rk_shares_pick(struct rk_scene *scene);
 
@@ -35,7 +38,7 @@ void rk_shares_touch(struct rk_scene *scene);
  * they are measured, none is lost or found. */
 void rk_shares_recall(struct rk_scene *scene);
 
-/* Weights and the forces of all pairs into grains->force. */
+/* The forces of all pairs, added to grains->force. */
 void rk_shares_push(struct rk_scene *scene, const struct rk_contact_law *law);
 
 /* Put the contacts of all shares together in scene->touching, for whoever wants to look. */
