@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "cases/bne/bne.h"
+#include "tests/kit/scene_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -30,7 +31,7 @@ static void add_guest(struct rk_scene *scene, const struct recipe *r) {
         {6.625, 1.625}, {12.875, 1.625}, {12.875, 2.875}, {6.625, 2.875}};
     bool polygon = strcmp(r->shape, "polygon") == 0;
     struct rk_wall_spec guest = {
-        .shape = rk_registry_find(&rk_shape_registry, r->shape),
+        .shape = kit_piece(&rk_shape_registry, r->shape),
         .point = {0, -0.4},
         .normal = {0, 1},
         .vertices = vertices,
@@ -42,7 +43,7 @@ static void add_guest(struct rk_scene *scene, const struct recipe *r) {
         .to = 0.5,
         .pivot = {13.5, 2},
         .friction = true,
-        .drive = {.kind = rk_registry_find(&rk_drive_registry, r->drive),
+        .drive = {.kind = kit_piece(&rk_drive_registry, r->drive),
                   .amplitude = 0.2,
                   .period = 1.5,
                   .direction = {-0.6, 0.8},
@@ -55,41 +56,29 @@ static void add_guest(struct rk_scene *scene, const struct recipe *r) {
                   .threshold = 0.5,
                   .every = 100},
     };
-    assert_non_null(guest.shape);
-    assert_non_null(guest.drive.kind);
-    assert_int_equal(rk_scene_add_wall(scene, &guest, NULL), RK_OK);
+    kit_add_wall(scene, &guest);
 }
 
 static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
-    struct rk_scene_spec spec = {
-        .grains = grains,
-        .walls = 4,
-        .period_x = r->periodic ? 30 : 0,
-        .gravity = {0.05, -1},
-        .dt = 5e-4,
-        .gamma = 10,
-        .smallest = 0.2,
-        .contact = {.law = rk_registry_find(&rk_law_registry, r->law),
-                    .rolling = rk_registry_find(&rk_rolling_registry, r->rolling),
-                    .friction = rk_registry_find(&rk_friction_registry, r->friction),
-                    .tension = rk_registry_find(&rk_tension_registry, r->tension),
-                    .kn = 1000,
-                    .kt = 750,
-                    .mu = 0.5,
-                    .gamma_t = 5,
-                    .mu_rolling = 0.1,
-                    .young = 2e4,
-                    .loss = 0.002},
-        .accuracy = {.integrator = r->integrator
-                                       ? rk_registry_find(&rk_integrator_registry, r->integrator)
-                                       : NULL,
-                     .neighbour = rk_registry_find(&rk_neighbour_registry, r->neighbours),
-                     .skin = r->skin},
-        .health = {.overlap = 0.9, .travel = 0.5, .every = 100},
-        .ledger = r->ledger,
-        .threads = r->threads,
-        .kernel = r->kernel ? rk_registry_find(&rk_kernel_registry, r->kernel) : NULL,
-    };
+    struct rk_scene_spec spec = kit_spec(grains, 4);
+    spec.period_x = r->periodic ? 30 : 0;
+    spec.gravity[0] = 0.05;
+    spec.gravity[1] = -1;
+    spec.dt = 5e-4;
+    spec.gamma = 10;
+    spec.smallest = 0.2;
+    spec.contact.law = kit_piece(&rk_law_registry, r->law);
+    spec.contact.friction = kit_piece(&rk_friction_registry, r->friction);
+    spec.contact.rolling = kit_piece(&rk_rolling_registry, r->rolling);
+    spec.contact.tension = kit_piece(&rk_tension_registry, r->tension);
+    spec.accuracy.integrator =
+        r->integrator ? kit_piece(&rk_integrator_registry, r->integrator) : NULL;
+    spec.accuracy.neighbour = kit_piece(&rk_neighbour_registry, r->neighbours);
+    spec.accuracy.skin = r->skin;
+    spec.health = (struct rk_health_spec){.overlap = 0.9, .travel = 0.5, .every = 100};
+    spec.ledger = r->ledger;
+    spec.threads = r->threads;
+    spec.kernel = r->kernel ? kit_piece(&rk_kernel_registry, r->kernel) : NULL;
     struct rk_scene *scene = NULL;
     struct rk_error err = RK_NO_ERROR;
     if (rk_scene_create(&spec, &scene, &err)) {
@@ -100,7 +89,7 @@ static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
         struct rk_material soft = {500, 5, 300, 0.2, 2, 0.05, 1e4, 0.004};
         assert_int_equal(rk_scene_add_material(scene, &soft, &other, &err), RK_OK);
     }
-    struct rk_drive_spec drive = {.kind = rk_registry_find(&rk_drive_registry, "sinusoid"),
+    struct rk_drive_spec drive = {.kind = kit_piece(&rk_drive_registry, "sinusoid"),
                                   .amplitude = 0.3,
                                   .period = 2,
                                   .phase = 0.4,
@@ -110,7 +99,7 @@ static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
         {.normal = {1, 0}, .friction = false, .drive = drive},
         {.point = {30, 0}, .normal = {-1, 0}, .friction = true, .drive = drive}};
     for (int w = 0; w < (r->periodic ? 1 : 3); w++) {
-        assert_int_equal(rk_scene_add_wall(scene, &walls[w], &err), RK_OK);
+        kit_add_wall(scene, &walls[w]);
     }
     if (r->shape) {
         add_guest(scene, r);
@@ -138,22 +127,7 @@ static void drop_grains(struct rk_scene *scene, const struct recipe *r, size_t g
                 !r->shape && i % 20 == 11, /* a few are nailed down, out of a moving wall's way */
             .material = r->mixed && i % 3 == 0,
         };
-        assert_int_equal(rk_scene_add_grain(scene, &grain, NULL), RK_OK);
-    }
-}
-
-static void *packed(const struct rk_scene *scene, size_t *size) {
-    *size = rk_scene_packed_size(scene);
-    void *block = rk_array_create(*size, 1);
-    assert_non_null(block);
-    rk_scene_pack(scene, block);
-    return block;
-}
-
-static void step(struct rk_scene *scene, uint64_t steps) {
-    struct rk_error err = RK_NO_ERROR;
-    if (rk_scene_step(scene, steps, &err)) {
-        fail_msg("%s", err.message);
+        kit_add(scene, grain);
     }
 }
 
@@ -165,8 +139,8 @@ static void *outcome(const struct recipe *recipe, size_t *size) {
         return NULL; /* a kernel that this processor cannot run */
     }
     drop_grains(scene, recipe, GRAINS);
-    step(scene, STEPS);
-    void *block = packed(scene, size);
+    kit_step(scene, STEPS);
+    void *block = kit_packed(scene, size);
     rk_scene_free(scene);
     return block;
 }
@@ -243,8 +217,7 @@ static void check_variants(struct recipe recipe) {
             variant.skin = 0.05 + 0.13 * (double)(m + k);
             void *other = outcome(&variant, &other_size);
             if (other) {
-                assert_int_equal(other_size, size);
-                assert_memory_equal(other, block, size);
+                kit_assert_same_block(other, other_size, block, size);
             }
             free(other);
         }
@@ -260,21 +233,17 @@ static void methods_skins_and_kernels_give_the_same_bytes(void **state) {
 
 /* Threads meet several times a step, so tiny scenes are slow on them: fewer steps. */
 static void check_threads(struct recipe recipe) {
-    size_t size[2];
-    void *block[2];
+    struct rk_scene *scenes[2];
     for (int several = 0; several < 2; several++) {
         recipe.threads = several ? 3 : 1;
         recipe.skin = several ? 0.25 : 0.1;
-        struct rk_scene *scene = shaken_box(&recipe, GRAINS);
-        drop_grains(scene, &recipe, GRAINS);
-        step(scene, 1500);
-        block[several] = packed(scene, &size[several]);
-        rk_scene_free(scene);
+        scenes[several] = shaken_box(&recipe, GRAINS);
+        drop_grains(scenes[several], &recipe, GRAINS);
+        kit_step(scenes[several], 1500);
     }
-    assert_int_equal(size[0], size[1]);
-    assert_memory_equal(block[0], block[1], size[0]);
-    free(block[0]);
-    free(block[1]);
+    kit_assert_same(scenes[0], scenes[1]);
+    rk_scene_free(scenes[0]);
+    rk_scene_free(scenes[1]);
 }
 
 static void threads_give_the_same_bytes(void **state) {
@@ -297,7 +266,7 @@ static void check_ledgers(const struct recipe *recipe, const struct rk_scene *re
     struct rk_scene *scene = shaken_box(recipe, GRAINS);
     struct rk_ledger one = {0}, other = {0};
     drop_grains(scene, recipe, GRAINS);
-    step(scene, STEPS);
+    kit_step(scene, STEPS);
     assert_int_equal(rk_scene_ledger(scene, &one), recipe->ledger);
     assert_int_equal(rk_scene_ledger(resumed, &other), recipe->ledger);
     assert_memory_equal(&one, &other, sizeof one);
@@ -311,18 +280,16 @@ static void check_resume(struct recipe recipe) {
     void *block = outcome(&recipe, &size);
     struct rk_scene *scene = shaken_box(&recipe, GRAINS);
     drop_grains(scene, &recipe, GRAINS);
-    step(scene, HALF);
-    void *half = packed(scene, &half_size);
+    kit_step(scene, HALF);
+    void *half = kit_packed(scene, &half_size);
     rk_scene_free(scene);
     struct rk_scene *resumed = shaken_box(&recipe, GRAINS);
     assert_int_equal(rk_scene_unpack(resumed, half, half_size, NULL), RK_OK);
-    void *again = packed(resumed, &resumed_size);
-    assert_int_equal(resumed_size, half_size);
-    assert_memory_equal(again, half, half_size);
-    step(resumed, STEPS - HALF);
-    void *end = packed(resumed, &resumed_size);
-    assert_int_equal(resumed_size, size);
-    assert_memory_equal(end, block, size);
+    void *again = kit_packed(resumed, &resumed_size);
+    kit_assert_same_block(again, resumed_size, half, half_size);
+    kit_step(resumed, STEPS - HALF);
+    void *end = kit_packed(resumed, &resumed_size);
+    kit_assert_same_block(end, resumed_size, block, size);
     check_ledgers(&recipe, resumed);
     rk_scene_free(resumed);
     free(again);
@@ -345,7 +312,7 @@ static void check_onlookers(struct recipe recipe) {
     struct rk_focus focus = {.grain = 7, .wall = 0};
     double row[16];
     for (int n = 0; n < STEPS; n += 10) {
-        step(scene, 10);
+        kit_step(scene, 10);
         for (size_t p = 0; p < rk_probe_registry.count; p++) {
             const struct rk_probe *probe = (const struct rk_probe *)rk_probe_registry.pieces[p];
             assert_true(probe->count <= 16);
@@ -356,9 +323,8 @@ static void check_onlookers(struct recipe recipe) {
         }
         rk_scene_strain(scene);
     }
-    void *watched = packed(scene, &watched_size);
-    assert_int_equal(watched_size, size);
-    assert_memory_equal(watched, block, size);
+    void *watched = kit_packed(scene, &watched_size);
+    kit_assert_same_block(watched, watched_size, block, size);
     rk_scene_free(scene);
     free(watched);
     free(block);
@@ -381,23 +347,19 @@ static void held_and_released_grains_are_remembered(void **state) {
                                 true,     true,
                                 1,        0.1,
                                 NULL,     NULL};
-        size_t size, resumed_size;
+        size_t size;
         struct rk_scene *scene = shaken_box(&recipe, GRAINS);
         drop_grains(scene, &recipe, GRAINS);
-        step(scene, HALF);
+        kit_step(scene, HALF);
         assert_int_equal(rk_scene_hold(scene, 11, false, NULL), RK_OK);
         assert_int_equal(rk_scene_hold(scene, 3, true, NULL), RK_OK);
-        void *half = packed(scene, &size);
+        void *half = kit_packed(scene, &size);
         struct rk_scene *resumed = shaken_box(&recipe, GRAINS);
         assert_int_equal(rk_scene_unpack(resumed, half, size, NULL), RK_OK);
         free(half);
-        step(scene, STEPS - HALF);
-        step(resumed, STEPS - HALF);
-        void *one = packed(scene, &size), *other = packed(resumed, &resumed_size);
-        assert_int_equal(resumed_size, size);
-        assert_memory_equal(one, other, size);
-        free(one);
-        free(other);
+        kit_step(scene, STEPS - HALF);
+        kit_step(resumed, STEPS - HALF);
+        kit_assert_same(scene, resumed);
         rk_scene_free(scene);
         rk_scene_free(resumed);
     }
@@ -410,8 +372,8 @@ static void check_look(struct recipe recipe) {
     size_t size;
     struct rk_scene *scene = shaken_box(&recipe, GRAINS);
     drop_grains(scene, &recipe, GRAINS);
-    step(scene, HALF);
-    void *half = packed(scene, &size);
+    kit_step(scene, HALF);
+    void *half = kit_packed(scene, &size);
     struct rk_scene *resumed = shaken_box(&recipe, GRAINS);
     assert_int_equal(rk_scene_unpack(resumed, half, size, NULL), RK_OK);
     free(half);
@@ -447,9 +409,9 @@ static void damaged_states_do_no_harm(void **state) {
         0.1,      "polygon",        "servo"};
     struct rk_scene *scene = shaken_box(&recipe, GRAINS);
     drop_grains(scene, &recipe, GRAINS);
-    step(scene, 6000);
+    kit_step(scene, 6000);
     size_t size;
-    char *block = packed(scene, &size);
+    char *block = kit_packed(scene, &size);
     rk_scene_free(scene);
     struct rk_stream stream = rk_stream_of(11, 0, 0, RK_FOR_TESTS, 0);
     size_t refused = 0;
@@ -514,7 +476,7 @@ static void scenes_of_none_one_and_two_grains_run(void **state) {
                                 NULL,     NULL};
         struct rk_scene *scene = shaken_box(&recipe, grains);
         drop_grains(scene, &recipe, grains);
-        step(scene, 5000);
+        kit_step(scene, 5000);
         assert_int_equal(rk_scene_steps(scene), 5000);
         rk_scene_free(scene);
     }
