@@ -331,6 +331,7 @@ struct rk_profile {
     uint64_t ticks[RK_PHASE_COUNT]; /* of the caller's clock, 0 without one */
     uint64_t rebuilds;              /* of the neighbour list */
     uint64_t pairs;                 /* neighbour pairs looked at, summed over steps */
+    uint64_t picks;                 /* of close pairs among the listed ones */
     uint64_t close;                 /* close pairs, summed over steps */
     uint64_t contacts;              /* touching pairs, summed over steps */
 };

@@ -46,12 +46,10 @@ LANES_INLINE lanes lanes_all(double value) {
 LANES_INLINE lanes lanes_gather(const double *at, const uint32_t *index) {
 #ifdef RK_LANES_512
     return (lanes)_mm512_i32gather_pd(_mm256_loadu_si256((const __m256i *)index), at, 8);
+#elif defined(RK_LANES_256)
+    return (lanes){at[index[0]], at[index[1]], at[index[2]], at[index[3]]};
 #else
-    lanes a;
-    for (int l = 0; l < LANES; l++) {
-        a[l] = at[index[l]];
-    }
-    return a;
+    return (lanes){at[index[0]], at[index[1]]};
 #endif
 }
 

@@ -127,6 +127,7 @@ void rk_shares_pick(struct rk_scene *scene) {
     }
     scene->neighbours.crept = (struct rk_bounds){{0, 0}, {0, 0}};
     scene->neighbours.close_valid = true;
+    scene->profile.picks++;
 }
 
 void rk_shares_touch(struct rk_scene *scene) {
