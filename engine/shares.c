@@ -120,7 +120,7 @@ void rk_shares_pick(struct rk_scene *scene) {
         for (size_t t = 0; t < threads; t++) {
             rk_close_pick_ghosts(scene, t);
         }
-#pragma omp for schedule(static)
+#pragma omp for schedule(static) nowait
         for (size_t t = 0; t < threads; t++) {
             rk_close_pick_own(scene, t);
         }
@@ -188,7 +188,7 @@ void rk_shares_push(struct rk_scene *scene, const struct rk_contact_law *law) {
                                     share->begin, share->end);
             }
         }
-#pragma omp for schedule(static)
+#pragma omp for schedule(static) nowait
         for (size_t t = 0; t < threads; t++) {
             push(scene, law, t);
         }
