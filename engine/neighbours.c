@@ -2,6 +2,8 @@
 
 #include "base/memory.h"
 #include "engine/fields.h"
+#include "engine/groups.h"
+#include "engine/growth.h"
 #include "engine/lanes.h"
 #include "engine/shares.h"
 
@@ -42,8 +44,9 @@ static double list_skin(const struct rk_scene *scene) {
 bool rk_neighbours_hold(const struct rk_scene *scene) {
     const struct rk_bounds *moved = &scene->neighbours.moved;
     double wide = moved->high[0] - moved->low[0], tall = moved->high[1] - moved->low[1];
-    double skin = list_skin(scene) * (1 - 1e-9); /* rounding of the displacements */
-    return scene->neighbours.valid && (wide * wide + tall * tall <= skin * skin);
+    /* 1e-9: rounding of the displacements */
+    double skin = list_skin(scene) * (1 - 1e-9) - scene->neighbours.grown;
+    return scene->neighbours.valid && skin >= 0 && (wide * wide + tall * tall <= skin * skin);
 }
 
 /* ---- Pairs found, in whatever order ------------------------------------------------------- */
@@ -398,6 +401,16 @@ static void measure_pairs(struct rk_scene *scene) {
     }
 }
 
+void rk_neighbours_swell(struct rk_scene *scene, double most) {
+    struct rk_pairs *pairs = &scene->pairs;
+    const double *radius = scene->grains.radius;
+    scene->neighbours.grown += 2 * most;
+    for (size_t p = 0; scene->neighbours.valid && p < pairs->count; p++) {
+        double reach = radius[pairs->first[p]] + radius[pairs->second[p]];
+        pairs->reach2[p] = reach * reach;
+    }
+}
+
 /* Both lists are in the same order: one walk along them hands over what contacts remember. */
 static void carry_history(struct rk_scene *scene) {
     struct rk_pairs *pairs = &scene->pairs;
@@ -431,6 +444,9 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
                             .skin = method->list ? list_skin(scene) : INFINITY};
     enum rk_status status =
         method->cells ? find_by_cells(scene, &search, err) : find_by_looking(scene, &search, err);
+    if (status == RK_OK && scene->has[RK_IF_GROUPS]) {
+        search.count = rk_groups_drop_pairs(scene, near->found, search.count);
+    }
     if (status == RK_OK && search.count >= UINT32_MAX) {
         status = rk_fail(err, RK_EMEMORY, "%zu neighbour pairs are more than can be numbered",
                          search.count);
@@ -448,6 +464,7 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
         carry_history(scene);
     }
     near->moved = (struct rk_bounds){{0, 0}, {0, 0}};
+    near->grown = 0;
     near->valid = true;
     for (size_t w = 0; w < scene->wall_count; w++) {
         scene->walls[w].near.valid = false; /* its bounds of movement began at the old build */
@@ -459,6 +476,21 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
 static int compare_real(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
+}
+
+/* The smallest and the two largest radii, of grains that grow the bounds. */
+static void measure_extremes(struct rk_scene *scene) {
+    struct rk_neighbours *near = &scene->neighbours;
+    double least = INFINITY, most = 0, second = 0;
+    for (size_t i = 0; i < scene->grains.count; i++) {
+        double small = rk_growth_least(scene, i), large = rk_growth_most(scene, i);
+        least = small < least ? small : least;
+        second = large > most ? most : (large > second ? large : second);
+        most = large > most ? large : most;
+    }
+    near->smallest = isfinite(least) ? least : 0.5;
+    near->widest = most;
+    near->largest = second > 0 ? most + second : 0;
 }
 
 enum rk_status rk_neighbours_prepare(struct rk_scene *scene, struct rk_error *err) {
@@ -475,9 +507,8 @@ enum rk_status rk_neighbours_prepare(struct rk_scene *scene, struct rk_error *er
     for (size_t i = 0; i < n && radii[i] <= 1.5 * quartile; i++) {
         near->bulk_radius = radii[i];
     }
-    near->smallest = n ? radii[0] : 0.5;
-    near->largest = n > 1 ? radii[n - 1] + radii[n - 2] : 0;
     free(radii);
+    measure_extremes(scene);
     near->cell = 2 * near->bulk_radius + scene->spec.accuracy.skin;
     near->valid = false;
     double period = scene->spec.period_x, reach = near->largest + scene->spec.accuracy.skin;

@@ -2,7 +2,8 @@
  *
  * A pair is listed if its gap is below `skin`. The list holds as long as the bounding box of all
  * displacements since the build has a diagonal below `skin`: two grains cannot have approached by
- * more. A bed that is thrown up as a whole moves the box, not its diagonal, and costs no rebuild.
+ * more. Radii that grow take their share of the skin. A bed that is thrown up as a whole moves the
+ * box, not its diagonal, and costs no rebuild.
  *
  * Methods differ in how they search, never in what they find: pairs are always in the order of
  * (first, second), and touching is decided by the same comparison, so all give the same bytes.
@@ -16,6 +17,9 @@ extern const struct rk_piece *const rk_neighbour_default;
 
 /* Does the list still hold? */
 bool rk_neighbours_hold(const struct rk_scene *scene);
+
+/* Radii have changed, none by more than `most` upwards. */
+void rk_neighbours_swell(struct rk_scene *scene, double most);
 
 /* Renew the list from the present positions; tangential forces follow their pairs. */
 enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err);

@@ -149,7 +149,7 @@ static void ease(struct rk_scene *scene, size_t t) {
 
 static void push(struct rk_scene *scene, const struct rk_contact_law *law, size_t t) {
     struct rk_share *share = &scene->shares[t];
-    scene->kernel->weigh(&scene->grains, share->begin, share->end, scene->spec.gravity);
+    scene->kernel->weigh(&scene->grains, share->begin, share->end, scene->gravity);
     scene->kernel->push[law->implicit][law->normal][law->tangent][law->rolls][law->materials > 1](
         &scene->grains, law, &scene->pairs, &share->touching);
 }
