@@ -16,7 +16,10 @@ install(TARGETS ${RK_LIBRARIES} EXPORT SandReckoner
 
 file(GLOB base_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/base/*.h)
 install(FILES ${base_headers} DESTINATION ${RK_HEADERS}/base)
-foreach(header engine/engine.h cases/cases.h stats/stats.h ensemble/study.h ensemble/store.h
+set(stats_headers
+  blocking correlation data histogram ldf moments pdf rate resample spectrum spread stats units)
+list(TRANSFORM stats_headers REPLACE "(.+)" "stats/\\1.h")
+foreach(header engine/engine.h cases/cases.h ${stats_headers} ensemble/study.h ensemble/store.h
         ensemble/runner.h ensemble/analysis.h)
   cmake_path(GET header PARENT_PATH folder)
   install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${RK_HEADERS}/${folder})
@@ -31,10 +34,11 @@ include(CMakeFindDependencyMacro)
 find_dependency(PkgConfig)
 find_dependency(OpenMP COMPONENTS C)
 find_dependency(HDF5 COMPONENTS C)
+pkg_check_modules(FFTW QUIET IMPORTED_TARGET fftw3)
 pkg_check_modules(GSL QUIET IMPORTED_TARGET gsl)
 pkg_check_modules(YAML QUIET IMPORTED_TARGET yaml-0.1)
 pkg_check_modules(XXHASH QUIET IMPORTED_TARGET libxxhash)
-foreach(need GSL YAML XXHASH)
+foreach(need FFTW GSL YAML XXHASH)
   if(NOT ${need}_FOUND)
     set(SandReckoner_FOUND FALSE)
     set(SandReckoner_NOT_FOUND_MESSAGE "pkg-config does not find the library of ${need}")
@@ -65,7 +69,7 @@ includedir=${prefix}/@RK_HEADERS@
 Name: Sand Reckoner
 Description: @PROJECT_DESCRIPTION@
 Version: @PROJECT_VERSION@
-Requires: gsl yaml-0.1 libxxhash
+Requires: fftw3 gsl yaml-0.1 libxxhash
 Cflags: -I${includedir}
 Libs: -L${libdir} @pc_links@
 ]])

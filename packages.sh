@@ -3,8 +3,8 @@
 # With nothing missing it does nothing, needs no network and no rights.
 set -eu
 
-build="gcc libc6-dev make cmake ninja-build pkg-config libgsl-dev libhdf5-dev libyaml-dev \
-libxxhash-dev librandom123-dev gnuplot-nox"
+build="gcc libc6-dev make cmake ninja-build pkg-config libgsl-dev libfftw3-dev libhdf5-dev \
+libyaml-dev libxxhash-dev librandom123-dev gnuplot-nox"
 tests="libcmocka-dev python3 python3-h5py python3-numpy"
 peers="lammps python3"
 

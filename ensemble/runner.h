@@ -3,6 +3,9 @@
  * Runs share nothing, so each is carried out by one thread, the longest first. A stop request
  * (Ctrl-C) lets every running replica write a checkpoint and end; finished ones are untouched. A
  * replica that goes wrong is recorded as failed and does not stop the others.
+ *
+ * Several programs may work in one folder: each run is claimed by one of them (store/claim.h), what
+ * one leaves when it dies is taken over by the others, and who leaves last builds the index.
  */
 #ifndef RK_ENSEMBLE_RUNNER_H
 #define RK_ENSEMBLE_RUNNER_H
@@ -20,6 +23,7 @@ struct rk_progress {
 
 struct rk_runner_options {
     int threads;                 /* 0: as many as OpenMP gives */
+    size_t shard, shards;        /* only that part of the plan, 1 <= shard <= shards; 0, 0: all */
     double checkpoint_every;     /* seconds of wall time between two checkpoints of a run */
     bool (*stop)(void *context); /* asked often; may be NULL */
     void (*progress)(void *context, const struct rk_progress *p); /* about once a second; or NULL */
@@ -28,11 +32,13 @@ struct rk_runner_options {
 };
 
 struct rk_run_report {
-    size_t done, failed, missing; /* runs of the plan, after this call */
+    size_t runs;                  /* of the plan, or of the shard */
+    size_t done, failed, missing; /* of them, after this call */
     bool interrupted;
 };
 
-/* RK_OK also when some runs failed (see the report); RK_EINTERRUPTED after a stop request. */
+/* RK_OK also when some runs failed (see the report); RK_EINTERRUPTED after a stop request. Call it
+ * once for a store: it leaves the folder at its end. */
 enum rk_status rk_runner_run(const struct rk_plan *plan, struct rk_store *store,
                              const struct rk_runner_options *options, struct rk_run_report *report,
                              struct rk_error *err);

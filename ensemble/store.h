@@ -3,15 +3,19 @@
  *     study.yaml       as resolved                     runs/<id>.h5     one H5MD file a run
  *     plan.h5          the runs and their parameters   runs/<id>.spool  while it runs: the rows and
  *     study.h5         index over the runs, analyses                    frames so far, append-only
- *     lock             held by the program at work     runs/<id>.ckpt   while it runs: checkpoint
+ *     at_work/<name>   a record of each program at     runs/<id>.ckpt   while it runs: checkpoint
+ *                      work                            runs/<id>.claim  while it runs: by whom
  *
  * Next to a checkpoint lies the one before, runs/<id>.ckpt.old; a run's file that was found damaged
  * is kept as runs/<id>.h5.damaged. The formats are in h5md.h, index.h, seal.h, spool.h,
- * checkpoint.h and plan_file.h.
+ * checkpoint.h, worker.h, claim.h and plan_file.h.
  *
  * A run's file is complete or it is not there: it is written in one pass from the finished spool
  * to a temporary file, synced, and renamed. Written in one pass it has the same bytes however
  * often the run was killed and resumed on the way.
+ *
+ * Several programs may be at work in one folder, also on several machines that share it: each run
+ * is claimed by one of them (claim.h).
  *
  * Threads: calls into HDF5 are serialised inside; everything else is per run.
  */
@@ -24,19 +28,23 @@
 #include <stdbool.h>
 
 struct rk_store;
+struct rk_worker;
 
 /* Open the folder of a plan for work: made if it is not there, refused (RK_ECONFLICT) if it holds
- * another plan, or anything that is not a study, or if another program is at work in it. A plan.h5
- * that is gone or damaged is written again where runs of the plan prove whose folder it is, and
- * refused (RK_EFORMAT when damaged) where none does. */
+ * another plan, or anything that is not a study. A plan.h5 that is gone or damaged is written
+ * again where runs of the plan prove whose folder it is, and refused (RK_EFORMAT when damaged)
+ * where none does. While the store is open this program counts as at work in the folder. */
 enum rk_status rk_store_open(const char *folder, const struct rk_plan *plan,
                              struct rk_store **store, struct rk_error *err);
 void rk_store_close(struct rk_store *store);
 
 const char *rk_store_folder(const struct rk_store *store);
+struct rk_worker *rk_store_worker(const struct rk_store *store);
 
-/* Is a program at work in the folder? `who` gets "process 1234 on host" then. */
+/* Is a program at work in the folder? `who` gets "process 1234 on host" then, the first's. */
 bool rk_store_busy(const char *folder, char who[96]);
+/* Is another than the one that opened the store? */
+bool rk_store_shared(const struct rk_store *store, char who[96]);
 
 enum rk_run_state { RK_RUN_WAITING, RK_RUN_STARTED, RK_RUN_DONE, RK_RUN_FAILED };
 

@@ -1,141 +1,242 @@
 #include "stats/correlation.h"
 
 #include "base/memory.h"
+#include "stats/fourier.h"
 #include "stats/numeric.h"
 #include "stats/series.h"
 
+#include <gsl/gsl_cdf.h>
 #include <math.h>
 #include <stdlib.h>
 
-/* A replica's longest array here: bounds the direct sums at about 1e8 products. */
-enum { LONGEST = 16384, FEWEST = 8, MOST_BLOCKS = 64 };
+enum { FEWEST = 8, FIRST_LAGS = 256 };
 
-/* Subtract the common mean and divide by the largest deviation; false when there is none. */
-static bool centre(double *x, size_t count) {
-    double mean = rk_mean(x, count), scale = 0;
-    bool varies = false;
+/* in = (x - shift)/scale of `count` values, then zeros. Halves, because x - shift may overflow. */
+static void load(const struct rk_fourier *f, const double *x, size_t count, double shift,
+                 double scale) {
     for (size_t i = 0; i < count; i++) {
-        varies = varies || x[i] != x[0];
-        scale = fmax(scale, fabs(x[i] / 2 - mean / 2));
+        f->in[i] = (x[i] / 2 - shift / 2) / (scale / 2);
     }
-    for (size_t i = 0; varies && i < count; i++) {
-        x[i] = (x[i] / 2 - mean / 2) / scale;
+    for (size_t i = count; i < f->n; i++) {
+        f->in[i] = 0;
     }
-    return varies && scale > 0;
 }
 
-/* Autocovariance at `lag`, each segment's pairs pooled; 0 when no segment is that long. */
-static double autocovariance(const double *x, const size_t *first, size_t segments, size_t lag) {
-    double sum = 0;
-    size_t pairs = 0;
+/* Add to power[] the correlation of one piece x[0 .. piece) with what it reaches, x[0 .. reach). */
+static void add_piece(double (*power)[2], const struct rk_fourier *a, const struct rk_fourier *b,
+                      const double *x, size_t piece, size_t reach, double shift, double scale) {
+    load(a, x, piece, shift, scale);
+    load(b, x, reach, shift, scale);
+    rk_fourier_forward(a);
+    rk_fourier_forward(b);
+    for (size_t k = 0; k <= a->n / 2; k++) {
+        power[k][0] += a->out[k][0] * b->out[k][0] + a->out[k][1] * b->out[k][1];
+        power[k][1] += a->out[k][0] * b->out[k][1] - a->out[k][1] * b->out[k][0];
+    }
+}
+
+/* sums of products of x[i] and x[i + s]: pieces of length n - lags do not wrap around. */
+static void add_segments(double (*power)[2], const struct rk_fourier *a, const struct rk_fourier *b,
+                         size_t lags, const double *x, const size_t *first, size_t segments,
+                         double shift, double scale) {
+    size_t piece = a->n - lags;
     for (size_t s = 0; s < segments; s++) {
-        size_t n = first[s + 1] - first[s];
-        const double *y = x + first[s];
-        if (n <= lag) {
-            continue;
+        for (size_t i = first[s]; i < first[s + 1]; i += piece) {
+            size_t left = first[s + 1] - i;
+            add_piece(power, a, b, x + i, left < piece ? left : piece, left < a->n ? left : a->n,
+                      shift, scale);
         }
-        double part = 0;
-        for (size_t i = 0; i < n - lag; i++) {
-            part += y[i] * y[i + lag];
-        }
-        sum += part;
-        pairs += n - lag;
     }
-    return pairs > 0 ? sum / (double)pairs : 0;
 }
 
-enum rk_status rk_correlation_of(double *x, const size_t *first, size_t segments, double *time,
-                                 double *window, struct rk_error *err) {
-    size_t count = first[segments], longest = 0;
+static size_t longest_of(const size_t *first, size_t segments) {
+    size_t longest = 0;
     for (size_t s = 0; s < segments; s++) {
         size_t n = first[s + 1] - first[s];
         longest = n > longest ? n : longest;
     }
+    return longest;
+}
+
+enum rk_status rk_correlation_sums(double *sums, size_t lags, const double *x, const size_t *first,
+                                   size_t segments, double shift, double scale,
+                                   struct rk_error *err) {
+    size_t longest = longest_of(first, segments);
+    /* Pieces of three times the lags, or whole segments where that is shorter. */
+    size_t n = rk_fourier_length(lags + (longest < 3 * lags ? longest : 3 * lags) + 1);
+    struct rk_fourier a = {0}, b = {0};
+    double(*power)[2] = rk_array_create(n / 2 + 1, sizeof *power);
+    enum rk_status status =
+        power ? RK_OK : rk_fail(err, RK_EMEMORY, "no memory for %zu correlations", lags);
+    if (status == RK_OK) {
+        status = rk_fourier_init(&a, n, err);
+    }
+    if (status == RK_OK) {
+        status = rk_fourier_init(&b, n, err);
+    }
+    if (status == RK_OK) {
+        add_segments(power, &a, &b, lags, x, first, segments, shift, scale);
+        for (size_t k = 0; k <= n / 2; k++) {
+            a.out[k][0] = power[k][0];
+            a.out[k][1] = power[k][1];
+        }
+        rk_fourier_backward(&a);
+        for (size_t s = 0; s < lags; s++) {
+            sums[s] = s < longest ? a.in[s] / (double)n : 0;
+        }
+    }
+    rk_fourier_clear(&a);
+    rk_fourier_clear(&b);
+    free(power);
+    return status;
+}
+
+/* Pairs that are `lag` apart. */
+static double pairs_of(const size_t *first, size_t segments, size_t lag) {
+    size_t pairs = 0;
+    for (size_t s = 0; s < segments; s++) {
+        size_t n = first[s + 1] - first[s];
+        pairs += n > lag ? n - lag : 0;
+    }
+    return (double)pairs;
+}
+
+/* rho[0 .. lags). */
+static enum rk_status normalised(double *rho, size_t lags, const double *x, const size_t *first,
+                                 size_t segments, double mean, double scale, struct rk_error *err) {
+    enum rk_status status = rk_correlation_sums(rho, lags, x, first, segments, mean, scale, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    double variance = rho[0] / pairs_of(first, segments, 0);
+    for (size_t s = 0; s < lags; s++) {
+        rho[s] = rho[s] / pairs_of(first, segments, s) / variance; /* 0/0 without a pair */
+    }
+    return RK_OK;
+}
+
+/* Sokal's window in rho[0 .. lags): W, or 0 when it does not close there; *sum = T without
+ * correction. */
+static size_t close_window(const double *rho, size_t lags, double *sum) {
+    *sum = 0.5;
+    for (size_t lag = 1; lag < lags; lag++) {
+        *sum += rho[lag];
+        if ((double)lag >= 5 * *sum) {
+            return lag;
+        }
+    }
+    return 0;
+}
+
+static void finish(struct rk_correlation *out, double sum, size_t window, double n) {
+    double w = (double)window;
+    double c = 2 * fmax(sum, 0) / n;
+    double time = fmax(0.5 + (sum - 0.5 + w * c) / (1 + c), 0);
+    *out = (struct rk_correlation){
+        .time = time,
+        .error = time * sqrt(4 * fmax(w + 0.5 - time, 0.5) / n),
+        .window = w,
+        .n_eff = time > 0.5 ? n / (2 * time) : n,
+    };
+}
+
+enum rk_status rk_correlation_of(struct rk_correlation *out, const double *x, const size_t *first,
+                                 size_t segments, struct rk_error *err) {
+    *out = (struct rk_correlation){NAN, NAN, NAN, NAN};
+    size_t longest = longest_of(first, segments), most = longest / 2 + 1;
+    double mean, scale, sum = NAN;
     if (longest < FEWEST) {
         return rk_fail(err, RK_EREFUSED,
                        "a correlation time needs a series of at least %d samples; the longest has "
                        "%zu",
                        (int)FEWEST, longest);
     }
-    if (!centre(x, count)) {
+    if (!rk_find_scale(x, first[segments], &mean, &scale)) {
         return rk_fail(err, RK_EREFUSED, "the series is constant: it has no correlation time");
     }
-    double variance = autocovariance(x, first, segments, 0);
-    double sum = 0.5;
-    for (size_t lag = 1; lag <= longest / 2; lag++) {
-        sum += autocovariance(x, first, segments, lag) / variance;
-        if ((double)lag >= 5 * sum) {
-            *time = fmax(sum, 0);
-            *window = (double)lag;
-            return RK_OK;
+    size_t lags = most < FIRST_LAGS ? most : FIRST_LAGS, window = 0;
+    enum rk_status status = RK_OK;
+    while (status == RK_OK && window == 0) {
+        double *rho = rk_array_create(lags, sizeof *rho);
+        status = rho ? normalised(rho, lags, x, first, segments, mean, scale, err)
+                     : rk_fail(err, RK_EMEMORY, "no memory for %zu correlations", lags);
+        if (status == RK_OK) {
+            window = close_window(rho, lags, &sum);
         }
-    }
-    return rk_fail(err, RK_EREFUSED,
-                   "the series is too short to see its own correlation decay "
-                   "within half of its %zu samples",
-                   longest);
-}
-
-size_t rk_block_count(size_t count, double time, size_t least) {
-    double n = (double)count, shortest = floor(2 * fmax(time, 0.5)) + 1;
-    double blocks = fmin(floor(n / fmax(shortest, 10 * time)), MOST_BLOCKS);
-    blocks = fmax(blocks, (double)least);
-    return floor(n / blocks) >= shortest ? (size_t)blocks : 0;
-}
-
-size_t rk_block_start(size_t count, size_t blocks, size_t b) {
-    /* count * b / blocks without the product's overflow. */
-    return count / blocks * b + count % blocks * b / blocks;
-}
-
-/* Average each replica's span in equal bins of `bin` intervals. */
-static void coarsen(double *x, size_t *first, const struct rk_series *series,
-                    enum rk_series_mode mode, size_t from, size_t bin) {
-    for (size_t r = 0; r < series->replicas; r++) {
-        for (size_t j = first[r]; j < first[r + 1]; j++) {
-            x[j] = rk_series_average(series, mode, r, from + (j - first[r]) * bin, bin);
+        free(rho);
+        if (status == RK_OK && window == 0 && lags == most) {
+            status = rk_fail(err, RK_EREFUSED,
+                             "the series is too short to see its own correlation decay within half "
+                             "of its %zu samples",
+                             longest);
         }
+        lags = lags < most / 4 ? 4 * lags : most;
     }
+    if (status == RK_OK) {
+        finish(out, sum, window, (double)first[segments]);
+    }
+    return status;
+}
+
+struct rk_interval rk_correlation_interval(const struct rk_correlation *correlation, double level) {
+    double z = gsl_cdf_ugaussian_Pinv(0.5 + 0.5 * level);
+    double factor = exp(z * correlation->error / correlation->time);
+    return (struct rk_interval){
+        .estimate = correlation->time,
+        .low = correlation->time / factor,
+        .high = correlation->time * factor,
+        .n_eff = correlation->n_eff,
+        .level = level,
+    };
+}
+
+/* The samples of a series' span as rates, one after the other. */
+static enum rk_status flatten(double **x, size_t **first, const struct rk_series *series,
+                              enum rk_series_mode mode, size_t from, size_t to,
+                              struct rk_error *err) {
+    struct rk_windows *windows;
+    enum rk_status status = rk_windows_create(&windows, series, mode, 1, from, to, err);
+    *x = NULL;
+    *first = NULL;
+    if (status == RK_OK) {
+        *x = windows->values;
+        *first = windows->first;
+        free(windows);
+    }
+    return status;
 }
 
 enum rk_status rk_correlation_estimate(struct rk_correlation *out, const struct rk_series *series,
                                        enum rk_series_mode mode, size_t from, size_t to,
                                        struct rk_error *err) {
-    *out = (struct rk_correlation){NAN, NAN, NAN};
-    enum rk_status status = rk_series_check(series, mode, from, to, err);
-    if (status != RK_OK) {
-        return status;
-    }
-    size_t *first = rk_array_create(series->replicas + 1, sizeof *first);
-    if (!first) {
-        return rk_fail(err, RK_EMEMORY, "no memory for a correlation time");
-    }
-    size_t longest = 0, total = 0;
-    for (size_t r = 0; r < series->replicas; r++) {
-        size_t span = rk_series_span(series, mode, r, from, to);
-        longest = span > longest ? span : longest;
-        total += span;
-    }
-    size_t bin = longest > LONGEST ? (longest - 1) / LONGEST + 1 : 1;
-    for (size_t r = 0; r < series->replicas; r++) {
-        first[r + 1] = first[r] + rk_series_span(series, mode, r, from, to) / bin;
-    }
-    double *x = rk_array_create(first[series->replicas], sizeof *x);
-    double time = NAN, window = NAN;
-    if (!x) {
-        status = rk_fail(err, RK_EMEMORY, "no memory for a correlation time");
-    } else {
-        coarsen(x, first, series, mode, from, bin);
-        status = rk_correlation_of(x, first, series->replicas, &time, &window, err);
+    *out = (struct rk_correlation){NAN, NAN, NAN, NAN};
+    double *x;
+    size_t *first;
+    enum rk_status status = flatten(&x, &first, series, mode, from, to, err);
+    if (status == RK_OK) {
+        status = rk_correlation_of(out, x, first, series->replicas, err);
+        out->time *= series->interval;
+        out->error *= series->interval;
+        out->window *= series->interval;
     }
     free(x);
     free(first);
-    if (status == RK_OK) {
-        double step = (double)bin * series->interval, n = (double)total;
-        time *= (double)bin; /* in intervals */
-        *out = (struct rk_correlation){.time = time * series->interval,
-                                       .window = window * step,
-                                       .n_eff = time > 0.5 ? n / (2 * time) : n};
+    return status;
+}
+
+enum rk_status rk_autocorrelation_estimate(double *rho, size_t lags, const struct rk_series *series,
+                                           enum rk_series_mode mode, size_t from, size_t to,
+                                           struct rk_error *err) {
+    double *x, mean, scale;
+    size_t *first;
+    enum rk_status status = flatten(&x, &first, series, mode, from, to, err);
+    if (status == RK_OK && !rk_find_scale(x, first[series->replicas], &mean, &scale)) {
+        status = rk_fail(err, RK_EREFUSED, "the series is constant: it has no autocorrelation");
     }
+    if (status == RK_OK && lags > 0) {
+        status = normalised(rho, lags, x, first, series->replicas, mean, scale, err);
+    }
+    free(x);
+    free(first);
     return status;
 }

@@ -1,23 +1,20 @@
 #include "stats/ldf_internal.h"
 
 #include "base/memory.h"
-#include "stats/correlation.h"
 #include "stats/numeric.h"
+#include "stats/resample.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-enum { LEAST_UNITS = 5 };
 
 static enum rk_status check_options(const struct rk_ldf_options *options, struct rk_error *err) {
     enum rk_status status = rk_check_level(options->level, err);
     if (status != RK_OK) {
         return status;
     }
-    if (options->bootstrap < 100 || options->bootstrap > 1000000) {
-        return rk_fail_about(err, RK_EINVALID, "bootstrap",
-                             "%llu resamplings; 100 to 1000000 give an interval",
-                             (unsigned long long)options->bootstrap);
+    status = rk_check_resamples(options->bootstrap, err);
+    if (status != RK_OK) {
+        return status;
     }
     if (options->points < 5 || options->points > 10001 || options->points % 2 == 0) {
         return rk_fail_about(err, RK_EINVALID, "points",
@@ -30,75 +27,6 @@ static enum rk_status check_options(const struct rk_ldf_options *options, struct
         return rk_fail(err, RK_EINVALID, "the range of k, %g to %g, must be finite with 0 inside",
                        options->k_low, options->k_high);
     }
-    return RK_OK;
-}
-
-/* The only replica's windows are cut into blocks longer than two correlation times. */
-static enum rk_status cut_blocks(struct rk_ldf *ldf, struct rk_ldf_work *work,
-                                 const struct rk_windows *windows, struct rk_error *err) {
-    double *copy = rk_array_create(windows->count, sizeof *copy);
-    if (!copy) {
-        return rk_fail(err, RK_EMEMORY, "no memory for %zu windows", windows->count);
-    }
-    for (size_t j = 0; j < windows->count; j++) {
-        copy[j] = windows->values[j];
-    }
-    size_t whole[2] = {0, windows->count};
-    double time, reach;
-    enum rk_status status = rk_correlation_of(copy, whole, 1, &time, &reach, err);
-    free(copy);
-    if (status != RK_OK) {
-        return status;
-    }
-    size_t blocks = rk_block_count(windows->count, time, LEAST_UNITS);
-    if (blocks == 0) {
-        return rk_fail(err, RK_EREFUSED,
-                       "the %zu windows of a single replica, with a correlation time of %.3g "
-                       "windows, give fewer than %d blocks longer than two correlation times",
-                       windows->count, time, (int)LEAST_UNITS);
-    }
-    work->first = rk_array_create(blocks + 1, sizeof *work->first);
-    if (!work->first) {
-        return rk_fail(err, RK_EMEMORY, "no memory for %zu blocks", blocks);
-    }
-    for (size_t b = 0; b <= blocks; b++) {
-        work->first[b] = rk_block_start(windows->count, blocks, b);
-    }
-    ldf->units = blocks;
-    ldf->blocks = true;
-    return RK_OK;
-}
-
-/* The independent units: replicas with windows, or blocks of the only one. */
-static enum rk_status choose_units(struct rk_ldf *ldf, struct rk_ldf_work *work,
-                                   const struct rk_windows *windows, struct rk_error *err) {
-    for (size_t r = 0; r < windows->replicas; r++) {
-        ldf->replicas += windows->first[r + 1] > windows->first[r];
-    }
-    ldf->left_out = windows->replicas - ldf->replicas;
-    if (ldf->replicas == 0) {
-        return rk_fail(err, RK_EREFUSED, "there is not one window");
-    }
-    if (ldf->replicas == 1) {
-        return cut_blocks(ldf, work, windows, err);
-    }
-    if (ldf->replicas < LEAST_UNITS) {
-        return rk_fail(err, RK_EREFUSED,
-                       "%zu replicas with a whole window; fewer than %d tell nothing of the "
-                       "error of a large-deviation function",
-                       ldf->replicas, (int)LEAST_UNITS);
-    }
-    work->first = rk_array_create(ldf->replicas + 1, sizeof *work->first);
-    if (!work->first) {
-        return rk_fail(err, RK_EMEMORY, "no memory for %zu replicas", ldf->replicas);
-    }
-    size_t unit = 0;
-    for (size_t r = 0; r < windows->replicas; r++) {
-        if (windows->first[r + 1] > windows->first[r]) {
-            work->first[++unit] = windows->first[r + 1];
-        }
-    }
-    ldf->units = unit;
     return RK_OK;
 }
 
@@ -252,11 +180,16 @@ static enum rk_status estimate(struct rk_ldf *ldf, struct rk_ldf_work *work,
                                const struct rk_windows *windows,
                                const struct rk_ldf_options *options, const struct rk_stream *stream,
                                struct rk_error *err) {
-    enum rk_status status = choose_units(ldf, work, windows, err);
+    enum rk_status status = rk_units_choose(&work->units, windows->values, windows->first,
+                                            windows->replicas, RK_UNITS_LEAST, err);
     if (status != RK_OK) {
         return status;
     }
-    status = rk_tilt_init(&work->tilt, windows->values, work->first, ldf->units, err);
+    ldf->replicas = work->units.replicas;
+    ldf->left_out = windows->replicas - ldf->replicas;
+    ldf->units = work->units.count;
+    ldf->blocks = work->units.blocks;
+    status = rk_tilt_init(&work->tilt, windows->values, work->units.first, ldf->units, err);
     if (status != RK_OK) {
         return status;
     }
@@ -328,7 +261,7 @@ enum rk_status rk_ldf_estimate_windows(struct rk_ldf **out, const struct rk_wind
     ldf->interval_low = ldf->interval_high = NAN;
     status = estimate(ldf, &work, windows, options, stream, err);
     rk_tilt_clear(&work.tilt);
-    free(work.first);
+    rk_units_clear(&work.units);
     free(work.theta);
     free(work.point);
     free(work.sums);

@@ -3,8 +3,8 @@
 
 #include "base/memory.h"
 #include "stats/numeric.h"
+#include "stats/resample.h"
 
-#include <gsl/gsl_cdf.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -24,17 +24,6 @@ struct rows {
     double *middle, *variance, *at_zero; /* [replicates] */
     size_t replicates;
 };
-
-/* How often each unit is drawn when as many units are drawn with replacement. */
-static void draw(double *times, size_t units, struct rk_stream *stream) {
-    for (size_t u = 0; u < units; u++) {
-        times[u] = 0;
-    }
-    for (size_t n = 0; n < units; n++) {
-        size_t u = (size_t)(rk_stream_uniform(stream) * (double)units);
-        times[u < units ? u : units - 1] += 1;
-    }
-}
 
 static void resample(struct curve *curve, const struct rk_ldf_work *work, const double *times,
                      double *variance) {
@@ -81,14 +70,8 @@ static double conjugate(const struct curve *curve, const double *theta, double z
     if (z >= curve->z[high]) {
         return theta[high] * (z - curve->z[high]) + curve->j[high];
     }
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        if (curve->z[middle] <= z) {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    low = rk_locate(curve->z, low, high, z);
+    high = low + 1;
     double below = theta[low] * (z - curve->z[low]) + curve->j[low];
     double above = theta[high] * (z - curve->z[high]) + curve->j[high];
     double width = curve->z[high] - curve->z[low];
@@ -108,35 +91,24 @@ static void record(struct rows *rows, size_t b, const struct curve *curve,
     rows->at_zero[b] = conjugate(curve, work->theta, work->zero_z);
 }
 
-struct tails {
-    double low, high;
-};
-
-/* Percentiles that are as far out as Student's t is for so few units. */
-static struct tails widened(size_t units, double level) {
-    double n = (double)units;
-    double t = rk_student_quantile(0.5 + 0.5 * level, n - 1) * sqrt(n / (n - 1));
-    return (struct tails){gsl_cdf_ugaussian_P(-t), gsl_cdf_ugaussian_P(t)};
-}
-
 /* The interval of a row, made to hold the estimate it belongs to. */
-static struct tails percentiles(double *row, size_t replicates, struct tails tails,
-                                double estimate) {
+static struct rk_tails percentiles(double *row, size_t replicates, struct rk_tails tails,
+                                   double estimate) {
     rk_sort(row, replicates);
-    return (struct tails){fmin(rk_quantile_of_draws(row, replicates, tails.low), estimate),
-                          fmax(rk_quantile_of_draws(row, replicates, tails.high), estimate)};
+    return (struct rk_tails){fmin(rk_quantile_of_draws(row, replicates, tails.low), estimate),
+                             fmax(rk_quantile_of_draws(row, replicates, tails.high), estimate)};
 }
 
 static void write_points(struct rk_ldf *ldf, const struct rk_ldf_work *work, struct rows *rows,
-                         struct tails tails) {
+                         struct rk_tails tails) {
     size_t n = rows->replicates;
     for (size_t i = 0; i < ldf->points; i++) {
         if (ldf->verdict[i] != RK_INTERVAL) {
             continue;
         }
         double straight = ldf->k[i] * work->tilt.centre;
-        struct tails f = percentiles(rows->f + i * n, n, tails, work->point[i].f);
-        struct tails j = percentiles(rows->j + i * n, n, tails, work->point[i].j);
+        struct rk_tails f = percentiles(rows->f + i * n, n, tails, work->point[i].f);
+        struct rk_tails j = percentiles(rows->j + i * n, n, tails, work->point[i].j);
         ldf->lambda_low[i] = straight + f.low / ldf->tau;
         ldf->lambda_high[i] = straight + f.high / ldf->tau;
         ldf->rate_low[i] = fmax(j.low, 0) / ldf->tau;
@@ -145,21 +117,21 @@ static void write_points(struct rk_ldf *ldf, const struct rk_ldf_work *work, str
 }
 
 static void write_scalars(struct rk_ldf *ldf, const struct rk_ldf_work *work, struct rows *rows,
-                          struct tails tails) {
+                          struct rk_tails tails) {
     size_t n = rows->replicates;
     const struct rk_tilt *tilt = &work->tilt;
     const struct rk_tilt_point *middle = &work->point[work->points / 2];
-    struct tails z = percentiles(rows->middle, n, tails, middle->z);
+    struct rk_tails z = percentiles(rows->middle, n, tails, middle->z);
     ldf->minimum.low = tilt->centre + tilt->scale * z.low;
     ldf->minimum.high = tilt->centre + tilt->scale * z.high;
     if (!isnan(ldf->curvature.estimate)) {
-        struct tails v = percentiles(rows->variance, n, tails, middle->variance);
+        struct rk_tails v = percentiles(rows->variance, n, tails, middle->variance);
         double root = tilt->scale * sqrt(ldf->tau);
         ldf->curvature.low = v.low * root * root;
         ldf->curvature.high = v.high * root * root;
     }
     if (ldf->at_zero_verdict == RK_INTERVAL) {
-        struct tails j = percentiles(rows->at_zero, n, tails, ldf->at_zero.estimate * ldf->tau);
+        struct rk_tails j = percentiles(rows->at_zero, n, tails, ldf->at_zero.estimate * ldf->tau);
         ldf->at_zero.low = fmax(j.low, 0) / ldf->tau;
         ldf->at_zero.high = fmax(j.high, 0) / ldf->tau;
     }
@@ -190,11 +162,11 @@ enum rk_status rk_ldf_bootstrap(struct rk_ldf *ldf, const struct rk_ldf_work *wo
     rows.at_zero = rows.variance + replicates;
     struct rk_stream mine = *stream;
     for (size_t b = 0; b < replicates; b++) {
-        draw(times, ldf->units, &mine);
+        rk_resample_draw(times, ldf->units, &mine);
         resample(&curve, work, times, &rows.variance[b]);
         record(&rows, b, &curve, work);
     }
-    struct tails tails = widened(ldf->units, ldf->level);
+    struct rk_tails tails = rk_resample_tails(ldf->units, ldf->level);
     write_points(ldf, work, &rows, tails);
     write_scalars(ldf, work, &rows, tails);
 done:

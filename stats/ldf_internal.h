@@ -2,12 +2,14 @@
 #ifndef RK_STATS_LDF_INTERNAL_H
 #define RK_STATS_LDF_INTERNAL_H
 
+#include "stats/ldf.h"
 #include "stats/tilt.h"
+#include "stats/units.h"
 
 /* The estimate at work: everything in standard units (tilt.h) until it is written out. */
 struct rk_ldf_work {
     struct rk_tilt tilt;
-    size_t *first;                /* [units + 1] */
+    struct rk_units units;
     size_t points;                /* odd; point points / 2 has theta = 0 */
     double *theta;                /* [points] */
     struct rk_tilt_point *point;  /* [points] */

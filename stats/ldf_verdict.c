@@ -67,7 +67,7 @@ static double drift_of_blocks(const double *z, const size_t *first, size_t block
 void rk_ldf_examine(struct rk_ldf *ldf, const struct rk_ldf_work *work, const size_t *replica_first,
                     size_t replicas) {
     const double *z = work->tilt.z;
-    ldf->drift = ldf->blocks ? drift_of_blocks(z, work->first, ldf->units)
+    ldf->drift = ldf->blocks ? drift_of_blocks(z, work->units.first, ldf->units)
                              : drift_of_replicas(z, replica_first, replicas);
     /* z has mean 0 and variance 1, so that the mean product of neighbours is their correlation. */
     double sum = 0, pairs = 0;

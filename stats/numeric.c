@@ -1,5 +1,7 @@
 #include "stats/numeric.h"
 
+#include "stats/resample.h"
+
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_roots.h>
 #include <math.h>
@@ -42,13 +44,40 @@ double rk_mean(const double *x, size_t count) {
     return isfinite(mean) ? mean : compensated(x, count, (double)count);
 }
 
-static int ascending(const void *a, const void *b) {
+bool rk_find_scale(const double *x, size_t count, double *mean, double *scale) {
+    bool varies = false;
+    *mean = rk_mean(x, count);
+    *scale = 0;
+    for (size_t i = 0; i < count; i++) {
+        varies = varies || x[i] != x[0];
+        *scale = fmax(*scale, fabs(x[i] / 2 - *mean / 2));
+    }
+    *scale *= 2;
+    if (isinf(*scale)) {
+        *scale = 0x1p1023;
+    }
+    return varies && *scale > 0;
+}
+
+size_t rk_locate(const double *ascending, size_t low, size_t high, double x) {
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (ascending[middle] <= x) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    return low;
+}
+
+static int by_value(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
 }
 
 void rk_sort(double *x, size_t count) {
-    qsort(x, count, sizeof *x, ascending);
+    qsort(x, count, sizeof *x, by_value);
 }
 
 /* Between the order statistics floor(h) and floor(h) + 1, counted from 0. */
@@ -138,35 +167,11 @@ enum rk_status rk_check_level(double level, struct rk_error *err) {
     return RK_OK;
 }
 
-struct rk_interval rk_weighted_interval(const double *values, const double *weights, size_t count,
-                                        double level, double *deviation) {
-    double scale = 0, total = 0, squares = 0;
-    for (size_t i = 0; i < count; i++) {
-        scale = fmax(scale, fabs(values[i]));
-        total += weights[i];
+enum rk_status rk_check_resamples(uint64_t replicates, struct rk_error *err) {
+    if (replicates < RK_RESAMPLES_LEAST || replicates > RK_RESAMPLES_MOST) {
+        return rk_fail_about(
+            err, RK_EINVALID, "bootstrap", "%llu resamplings; %d to %d give an interval",
+            (unsigned long long)replicates, (int)RK_RESAMPLES_LEAST, (int)RK_RESAMPLES_MOST);
     }
-    scale = scale > 0 ? scale : 1;
-    /* About the first value, so that equal values give exactly that value. */
-    double origin = values[0] / scale, shift = 0;
-    for (size_t i = 0; i < count; i++) {
-        double w = weights[i] / total;
-        shift += w * (values[i] / scale - origin);
-        squares += w * w;
-    }
-    double n = 1 / squares, spread = 0, variance = 0;
-    for (size_t i = 0; i < count; i++) {
-        double w = weights[i] / total, d = values[i] / scale - origin - shift;
-        spread += w * d * d;
-        variance += w * w * d * d;
-    }
-    double correction = n / (n - 1);
-    double t = rk_student_quantile(0.5 + 0.5 * level, n - 1);
-    double half = scale * (t * sqrt(variance * correction));
-    double estimate = shift == 0 ? values[0] : scale * (origin + shift);
-    *deviation = scale * sqrt(spread * correction);
-    return (struct rk_interval){.estimate = estimate,
-                                .low = estimate - half,
-                                .high = estimate + half,
-                                .n_eff = n,
-                                .level = level};
+    return RK_OK;
 }

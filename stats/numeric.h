@@ -2,10 +2,17 @@
 #ifndef RK_STATS_NUMERIC_H
 #define RK_STATS_NUMERIC_H
 
-#include "stats/stats.h"
+#include "stats/data.h"
 
 /* Mean of `count` >= 1 finite values by a compensated sum; finite whatever their size. */
 double rk_mean(const double *x, size_t count);
+
+/* Mean and largest deviation from it (at most 2^1023); false when the values are all equal or
+ * closer than a double can tell. */
+bool rk_find_scale(const double *x, size_t count, double *mean, double *scale);
+
+/* The i in [low, high) with ascending[i] <= x < ascending[i + 1], the ends taken for infinite. */
+size_t rk_locate(const double *ascending, size_t low, size_t high, double x);
 
 /* Sort ascending. */
 void rk_sort(double *x, size_t count);
@@ -28,9 +35,7 @@ double rk_root(double (*f)(double x, void *context), void *context, double low, 
 /* RK_EINVALID about "level" when an interval cannot be asked at that level. */
 enum rk_status rk_check_level(double level, struct rk_error *err);
 
-/* A mean of values with weights >= 0 and its t interval, as documented at rk_rate_estimate.
- * `deviation` gets the weighted standard deviation of the values. Needs two positive weights. */
-struct rk_interval rk_weighted_interval(const double *values, const double *weights, size_t count,
-                                        double level, double *deviation);
+/* RK_EINVALID about "bootstrap" when so many resamplings give no interval, or take for ever. */
+enum rk_status rk_check_resamples(uint64_t replicates, struct rk_error *err);
 
 #endif

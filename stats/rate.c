@@ -1,9 +1,11 @@
-#include "stats/stats.h"
+#include "stats/rate.h"
 
 #include "base/memory.h"
 #include "stats/correlation.h"
+#include "stats/moments.h"
 #include "stats/numeric.h"
 #include "stats/series.h"
+#include "stats/units.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #ifndef RK_STATS_SERIES_H
 #define RK_STATS_SERIES_H
 
-#include "stats/stats.h"
+#include "stats/data.h"
 
 /* Samples of replica r. */
 size_t rk_series_length(const struct rk_series *series, size_t r);

@@ -1,4 +1,4 @@
-#include "stats/stats.h"
+#include "stats/spread.h"
 
 #include "base/memory.h"
 #include "stats/numeric.h"

@@ -14,7 +14,7 @@
 #ifndef RK_STATS_TILT_H
 #define RK_STATS_TILT_H
 
-#include "stats/stats.h"
+#include "stats/data.h"
 
 struct rk_tilt {
     double *z;

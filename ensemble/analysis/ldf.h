@@ -16,8 +16,4 @@ void rk_ldf_fill(struct rk_result *result, const struct rk_ldf *ldf,
 /* The scalars that a reader looks for first, as lines of text. */
 void rk_ldf_print(const struct rk_result *result, FILE *out);
 
-/* Draw it at `path`, which ends in ".png", with its table and script beside it. RK_EINVALID: no
- * such name; RK_EIO: cannot be written or drawn. */
-enum rk_status rk_ldf_plot(const struct rk_result *result, const char *path, struct rk_error *err);
-
 #endif

@@ -64,6 +64,13 @@ void rk_report_free(struct rk_report *report);
 enum rk_status rk_report_write(const struct rk_report *report, const char *folder,
                                const struct rk_notice *notice, struct rk_error *err);
 
+/* Draw one result at `path`, which ends in ".png", as `analysis` draws it, with its table and
+ * script beside it; `quantity` is what the x axis is called. RK_EINVALID: no such name; RK_EIO:
+ * cannot be written or drawn. */
+enum rk_status rk_report_plot(const struct rk_analysis *analysis, const char *title,
+                              const char *quantity, const struct rk_result *result,
+                              const char *path, struct rk_error *err);
+
 /* The names of the files that rk_report_write wrote. */
 void rk_report_print_files(const struct rk_report *report, const char *folder, FILE *out);
 

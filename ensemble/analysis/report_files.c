@@ -1,5 +1,4 @@
 /* A report as files: tables, JSON, gnuplot scripts and pictures. */
-#include "ensemble/analysis/ldf.h"
 #include "ensemble/analysis/plot.h"
 #include "ensemble/analysis/private.h"
 #include "ensemble/analysis/report.h"
@@ -185,7 +184,9 @@ static enum rk_status split_path(const char *path, char folder[4096], char name[
     return RK_OK;
 }
 
-enum rk_status rk_ldf_plot(const struct rk_result *result, const char *path, struct rk_error *err) {
+enum rk_status rk_report_plot(const struct rk_analysis *analysis, const char *title,
+                              const char *quantity, const struct rk_result *result,
+                              const char *path, struct rk_error *err) {
     char folder[4096], name[RK_NAME], table[RK_NAME + 8], script[RK_NAME + 8];
     enum rk_status status = split_path(path, folder, name, err);
     if (status != RK_OK) {
@@ -193,11 +194,10 @@ enum rk_status rk_ldf_plot(const struct rk_result *result, const char *path, str
     }
     snprintf(table, sizeof table, "%s.csv", name);
     snprintf(script, sizeof script, "%s.gp", name);
-    const struct rk_request request = {&rk_analysis_ldf, NULL};
+    const struct rk_request request = {analysis, NULL};
     const struct rk_report_entry entry = {.request = &request};
     const struct rk_panel panel = {name, table, result};
-    const struct rk_picture picture = {name, "large-deviation function", "observable averaged",
-                                       &panel, 1};
+    const struct rk_picture picture = {name, title, quantity, &panel, 1};
     struct page page = {
         .entry = &entry, .result = result, .picture = &picture, .write = write_columns};
     status = write_file(folder, table, &page, err);

@@ -54,11 +54,18 @@ static void write_report(struct rk_h5 *h5, const void *context) {
 enum rk_status rk_report_index(const struct rk_report *report, const char *folder,
                                struct rk_error *err) {
     struct rk_index_addition addition = {write_report, report};
-    struct rk_store *store = NULL; /* held so that nobody else writes the index meanwhile */
+    struct rk_store *store = NULL;
+    char who[96];
     enum rk_status status = rk_store_open(folder, report->plan, &store, err);
+    if (status == RK_OK && rk_store_shared(store, who)) {
+        status = rk_fail(err, RK_ECONFLICT,
+                         "%s is at work in '%.200s' and will write its index; run this again when "
+                         "it has ended",
+                         who, folder);
+    }
     if (status == RK_OK) {
         status = rk_index_write(folder, report->plan, &addition, err);
-        rk_store_close(store);
     }
+    rk_store_close(store);
     return status;
 }

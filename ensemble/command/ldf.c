@@ -1,385 +1,59 @@
 /* reckon ldf: the large-deviation function of a point of a study, of any HDF5 dataset or of any
  * column of a CSV file. */
 #include "ensemble/analysis/ldf.h"
-#include "ensemble/analysis/json.h"
-#include "ensemble/analysis/report.h"
-#include "ensemble/command/command.h"
-#include "ensemble/input/dataset.h"
-#include "ensemble/input/table.h"
-#include "ensemble/store/columns.h"
-#include "ensemble/store/files.h"
+#include "ensemble/analysis/private.h"
+#include "ensemble/command/data.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
 
 struct ldf_options {
-    const char *column, *replica, *point, *observable;
-    bool integral, json, csv;
-    uint64_t window, from, to, points, bootstrap, seed;
-    double interval, level, k_low, k_high;
-    const char *plot;
+    struct rk_data_options data;
+    uint64_t points;
+    double k_low, k_high;
 };
 
-/* What is analysed, and how its numbers are called. */
-struct input {
-    struct rk_samples samples;
-    double interval;
-    bool integral;
-    uint64_t scale; /* intervals in the unit that window, from and to are given in */
-    struct rk_ldf_units units;
-    struct rk_stream stream;
-};
-
-static bool is_folder(const char *path) {
-    struct stat about;
-    return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
-}
-
-/* "file.h5:/path/to/dataset": where the path begins, or NULL. */
-static const char *dataset_in(const char *operand) {
-    struct stat about;
-    const char *found = NULL;
-    for (const char *c = operand; (c = strstr(c, ":/")) != NULL; c++) {
-        found = c + 1;
-    }
-    return found && stat(operand, &about) != 0 ? found : NULL;
-}
-
-/* An option that would be passed over is a misunderstanding, not a wish. */
-static enum rk_status check_options(const struct ldf_options *o, bool folder,
-                                    struct rk_error *err) {
-    if (o->json && o->csv) {
-        return rk_fail(err, RK_EINVALID, "--json and --csv: choose one of them");
-    }
-    if (folder && (o->column || o->replica)) {
-        return rk_fail(err, RK_EINVALID, "--column and --replica are for CSV files");
-    }
-    if (folder && o->interval != 1) {
-        return rk_fail(err, RK_EINVALID, "--interval is for files: a study knows its own");
-    }
-    if (!folder && (o->point || strcmp(o->observable, RK_REPORT_OBSERVABLE) != 0)) {
-        return rk_fail(err, RK_EINVALID, "--point and --observable are for the folder of a study");
-    }
-    return RK_OK;
-}
-
-static bool same_file(const char *a, const char *b) {
-    struct stat first, second;
-    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
-           first.st_ino == second.st_ino;
-}
-
-/* What is written beside a picture must not take the place of the data it is made from. */
-static enum rk_status spare_data(const char *operand, const char *plot, struct rk_error *err) {
-    static const char *const endings[] = {"csv", "gp", "png"};
-    const char *dot = strrchr(plot, '.');
-    for (size_t i = 0; dot && i < sizeof endings / sizeof *endings; i++) {
-        struct rk_path beside;
-        enum rk_status status =
-            rk_path_set(&beside, err, "%.*s%s", (int)(dot + 1 - plot), plot, endings[i]);
-        if (status != RK_OK) {
-            return status;
-        }
-        if (same_file(operand, beside.text)) {
-            return rk_fail(err, RK_EINVALID,
-                           "--plot %.200s would write over the data in '%.200s'; choose another "
-                           "name",
-                           plot, operand);
-        }
-    }
-    return RK_OK;
-}
-
-static enum rk_status read_file(const char *operand, const struct ldf_options *o,
-                                struct input *input, struct rk_error *err) {
-    const char *path = dataset_in(operand);
-    *input = (struct input){.interval = o->interval,
-                            .integral = o->integral,
-                            .scale = 1,
-                            .units = {"", "", "", ""},
-                            .stream = rk_stream_of(o->seed, 0, 0, RK_FOR_BOOTSTRAP, 0)};
-    if (!path && strstr(operand, ".h5:")) {
-        return rk_fail(err, RK_EINVALID, "%.200s: the name of a dataset begins with '/'", operand);
-    }
-    if (!path) {
-        const struct rk_table_request request = {o->column, o->replica, 0};
-        return rk_table_read(operand, &request, &input->samples, err);
-    }
-    if (o->column || o->replica) {
-        return rk_fail(err, RK_EINVALID, "--column and --replica are for CSV files");
-    }
-    char *file = strndup(operand, (size_t)(path - 1 - operand));
-    if (!file) {
-        return rk_fail(err, RK_EMEMORY, "out of memory");
-    }
-    enum rk_status status = rk_dataset_read(file, path, &input->samples, err);
-    free(file);
-    return status;
-}
-
-static const char *point_name(const void *list, size_t i) {
-    return ((const struct rk_point *)list)[i].name;
-}
-
-static const char *observable_name(const void *list, size_t i) {
-    return ((const char(*)[RK_PARAM_PATH])list)[i];
-}
-
-static enum rk_status find_point(const struct rk_study *study, const char *name, size_t *index,
-                                 struct rk_error *err) {
-    if (!name && study->point_count == 1) {
-        *index = 0;
-        return RK_OK;
-    }
-    if (!name) {
-        return rk_fail(err, RK_EINVALID, "the study has %zu points; say which one: --point %s",
-                       study->point_count, study->points[0].name);
-    }
-    for (size_t i = 0; i < study->point_count; i++) {
-        if (strcmp(study->points[i].name, name) == 0) {
-            *index = i;
-            return RK_OK;
-        }
-    }
-    const char *nearest = rk_nearest_name(name, study->point_count, point_name, study->points);
-    return rk_fail(err, RK_EINVALID, "the study has no point '%.64s'%s", name,
-                   rk_hint_of(nearest, "").text);
-}
-
-/* "probe.column" of the study's case; a near miss is named. */
-static enum rk_status check_observable(const struct rk_case *scene, const char *name,
-                                       struct rk_error *err) {
-    char known[256][RK_PARAM_PATH];
-    size_t count = 0;
-    for (size_t p = 0; p < scene->probes->count; p++) {
-        const struct rk_probe *probe = rk_columns_probe(scene, p);
-        for (size_t c = 0; c < probe->count && count < 256; c++) {
-            snprintf(known[count], sizeof known[count], "%s.%s", probe->piece.name,
-                     probe->columns[c].name);
-            if (strcmp(known[count++], name) == 0) {
-                return RK_OK;
-            }
-        }
-    }
-    const char *nearest = rk_nearest_name(name, count, observable_name, known);
-    return rk_fail(err, RK_EINVALID, "there is no observable '%.64s'%s", name,
-                   rk_hint_of(nearest, "; they are called probe.column").text);
-}
-
-static void warn(void *context, const char *line) {
-    (void)context;
-    rk_warn("%s", line);
-}
-
-static enum rk_status read_folder(const char *folder, const struct rk_study *study,
-                                  const struct ldf_options *o, struct input *input,
-                                  struct rk_error *err) {
-    const struct rk_notice notice = {warn, NULL};
-    struct rk_plan *plan = NULL;
-    struct rk_gathered g = {0};
-    size_t p = 0;
-    enum rk_status status = find_point(study, o->point, &p, err);
-    if (status == RK_OK) {
-        status = check_observable(study->scene, o->observable, err);
-    }
-    if (status == RK_OK) {
-        status = rk_command_plan_folder(folder, study, &plan, err);
-    }
-    if (status == RK_OK) {
-        status = rk_gather(folder, plan, p, o->observable, &notice, &g, err);
-    }
-    if (status == RK_OK && g.done == 0) {
-        status = rk_fail(err, RK_EIO, "no run of point '%s' is done yet", study->points[p].name);
-    }
-    if (status == RK_OK && g.failed + g.missing > 0) {
-        rk_warn("point '%s': %zu of %zu runs are used, %zu failed, %zu are missing",
-                study->points[p].name, g.done, g.done + g.failed + g.missing, g.failed, g.missing);
-    }
-    if (status == RK_OK) {
-        struct rk_schedule schedule = study->scene->schedule(study->points[p].params);
-        *input = (struct input){
-            .samples = {g.values, g.lengths, g.done, g.samples},
-            .interval = g.interval,
-            .integral = o->integral || strcmp(o->observable, RK_REPORT_OBSERVABLE) == 0,
-            .scale = schedule.samples_per_period,
-            .units = {"", "sqrt(d/g)", "", ""},
-            .stream = rk_stream_of(study->seed, study->points[p].key, 0, RK_FOR_BOOTSTRAP, 0)};
-        g.values = NULL;
-        g.lengths = NULL;
-    }
-    rk_gathered_clear(&g);
-    rk_plan_free(plan);
-    return status;
-}
-
-static enum rk_status estimate(const struct ldf_options *o, const struct input *input,
+static enum rk_status estimate(const void *values, const struct rk_data *data,
                                struct rk_result *result, struct rk_error *err) {
-    const struct rk_samples *s = &input->samples;
+    const struct ldf_options *o = values;
+    const struct rk_samples *s = &data->samples;
+    const struct rk_ldf_units units = {"", data->study ? "sqrt(d/g)" : "", "", ""};
     struct rk_series series = {s->values,  s->replicas, s->samples,
-                               s->samples, s->lengths,  input->interval};
+                               s->samples, s->lengths,  data->interval};
     struct rk_ldf_options options = {
-        .window = o->window * input->scale,
-        .from = o->from * input->scale,
-        .to = o->to * input->scale,
-        .bootstrap = o->bootstrap,
+        .window = o->data.window * data->scale,
+        .from = o->data.from * data->scale,
+        .to = o->data.to * data->scale,
+        .bootstrap = o->data.bootstrap,
         .points = o->points,
-        .level = o->level,
+        .level = o->data.level,
         .k_low = isnan(o->k_low) ? 0 : o->k_low,
         .k_high = isnan(o->k_high) ? 0 : o->k_high,
     };
     struct rk_ldf *ldf;
     enum rk_status status =
-        rk_ldf_estimate(&ldf, &series, input->integral ? RK_SERIES_INTEGRAL : RK_SERIES_RATE,
-                        &options, &input->stream, err);
+        rk_ldf_estimate(&ldf, &series, data->integral ? RK_SERIES_INTEGRAL : RK_SERIES_RATE,
+                        &options, &data->stream, err);
     if (status == RK_OK) {
-        rk_ldf_fill(result, ldf, &input->units);
+        rk_ldf_fill(result, ldf, &units);
         rk_ldf_free(ldf);
-        if (result->short_of_memory) {
-            status = rk_fail(err, RK_EMEMORY, "out of memory");
-        }
     }
     return status;
 }
 
-static void print(const struct ldf_options *o, const struct input *input,
-                  const struct rk_result *result) {
-    if (o->json) {
-        struct rk_json json = rk_json_of(stdout);
-        rk_json_open_map(&json, NULL);
-        rk_json_count(&json, "replicas", input->samples.replicas);
-        rk_json_number(&json, "interval", input->interval);
-        rk_json_flag(&json, "integral", input->integral);
-        rk_result_write_json(result, &json);
-        rk_json_close(&json);
-    } else if (o->csv) {
-        rk_result_write_csv(result, stdout);
-    } else {
-        rk_ldf_print(result, stdout);
-    }
-}
-
-static int analyse(const char *operand, const struct ldf_options *o, struct input *input) {
-    struct rk_error err = RK_NO_ERROR;
-    struct rk_result result;
-    int code = RK_EXIT_DONE;
-    rk_result_init(&result);
-    enum rk_status status = estimate(o, input, &result, &err);
-    bool worth_printing = status == RK_OK;
-    if (status == RK_OK && o->plot) {
-        status = rk_ldf_plot(&result, o->plot, &err);
-        worth_printing = status != RK_EINVALID; /* the numbers are there without the picture */
-    }
-    if (worth_printing) {
-        print(o, input, &result);
-    }
-    if (status != RK_OK) {
-        rk_error_locate(&err, "%s", operand);
-        code = rk_complain(&err);
-    }
-    rk_result_clear(&result);
-    return code;
-}
-
 static int ldf(const void *options, size_t count, char *const *operands) {
-    (void)count;
+    static const struct rk_data_command command = {
+        &rk_analysis_ldf, "large-deviation function", "observable averaged", true, estimate,
+        rk_ldf_print};
     const struct ldf_options *o = options;
-    const char *operand = operands[0];
-    struct rk_error err = RK_NO_ERROR;
-    struct input input = {0};
-    struct rk_study *study = NULL;
-    enum rk_status status;
-    if (check_options(o, is_folder(operand), &err) != RK_OK ||
-        (o->plot && spare_data(operand, o->plot, &err) != RK_OK)) {
-        return rk_complain(&err);
-    }
-    if (is_folder(operand)) {
-        int code = rk_command_load_folder(operand, &study);
-        if (code != RK_EXIT_DONE) {
-            return code;
-        }
-        status = read_folder(operand, study, o, &input, &err);
-        rk_error_locate(&err, "%s", operand);
-    } else {
-        status = read_file(operand, o, &input, &err);
-    }
-    int code = RK_EXIT_DONE;
-    if (status != RK_OK) {
-        code = rk_complain(&err);
-        code = err.status == RK_EIO && !study ? RK_EXIT_USAGE : code;
-    } else {
-        code = analyse(operand, o, &input);
-    }
-    rk_samples_clear(&input.samples);
-    rk_study_free(study);
-    return code;
+    (void)count;
+    return rk_data_main(&command, operands[0], &o->data, options);
 }
 
 #define AT(member) .offset = offsetof(struct ldf_options, member)
 
 static const struct rk_option options[] = {
-    {.name = "window",
-     .letter = 'w',
-     .type = RK_OPTION_COUNT,
-     AT(window),
-     .argument = "N",
-     .fallback = "5",
-     .low = 1,
-     .high = 1e9,
-     .doc = "length of the windows: samples, or periods of a study"},
-    {.name = "from",
-     .type = RK_OPTION_COUNT,
-     AT(from),
-     .argument = "N",
-     .fallback = "0",
-     .high = 1e9,
-     .doc = "leave out what is before (in the same unit)"},
-    {.name = "to",
-     .type = RK_OPTION_COUNT,
-     AT(to),
-     .argument = "N",
-     .fallback = "0",
-     .high = 1e9,
-     .doc = "leave out what is after; 0 is the end"},
-    {.name = "integral",
-     .letter = 'i',
-     .type = RK_OPTION_FLAG,
-     AT(integral),
-     .doc = "the data are the observable's integral in time (a height for a velocity)"},
-    {.name = "interval",
-     .type = RK_OPTION_REAL,
-     AT(interval),
-     .argument = "T",
-     .fallback = "1",
-     .low = 1e-300,
-     .high = 1e300,
-     .doc = "time between two samples of a file"},
-    {.name = "column",
-     .letter = 'c',
-     .type = RK_OPTION_TEXT,
-     AT(column),
-     .argument = "NAME",
-     .doc = "column of a CSV file, by name or number"},
-    {.name = "replica",
-     .letter = 'r',
-     .type = RK_OPTION_TEXT,
-     AT(replica),
-     .argument = "NAME",
-     .doc = "column that says which replica a row is of"},
-    {.name = "point",
-     .letter = 'p',
-     .type = RK_OPTION_TEXT,
-     AT(point),
-     .argument = "NAME",
-     .doc = "point of a study"},
-    {.name = "observable",
-     .type = RK_OPTION_TEXT,
-     AT(observable),
-     .argument = "NAME",
-     .fallback = RK_REPORT_OBSERVABLE,
-     .doc = "of a study"},
+    RK_DATA_WINDOW_ROWS(ldf_options, "5"),
+    RK_DATA_ROWS(ldf_options),
     {.name = "points",
      .type = RK_OPTION_COUNT,
      AT(points),
@@ -402,36 +76,8 @@ static const struct rk_option options[] = {
      .low = 0,
      .high = 1e300,
      .doc = "likewise"},
-    {.name = "bootstrap",
-     .type = RK_OPTION_COUNT,
-     AT(bootstrap),
-     .argument = "N",
-     .fallback = "1000",
-     .low = 100,
-     .high = 1e6,
-     .doc = "resamplings behind the intervals"},
-    {.name = "level",
-     .type = RK_OPTION_REAL,
-     AT(level),
-     .argument = "P",
-     .fallback = "0.95",
-     .low = 0.5,
-     .high = 0.999,
-     .doc = "probability that an interval is to cover"},
-    {.name = "seed",
-     .type = RK_OPTION_COUNT,
-     AT(seed),
-     .argument = "N",
-     .fallback = "1",
-     .high = 0x1p64,
-     .doc = "of the resampling of a file's data"},
-    {.name = "plot",
-     .type = RK_OPTION_TEXT,
-     AT(plot),
-     .argument = "FILE.png",
-     .doc = "picture, its script (.gp) and table (.csv) beside it"},
-    {.name = "json", .type = RK_OPTION_FLAG, AT(json), .doc = "everything as JSON"},
-    {.name = "csv", .type = RK_OPTION_FLAG, AT(csv), .doc = "the curve as CSV"},
+    RK_DATA_BOOTSTRAP_ROWS(ldf_options, "1000", 100),
+    RK_DATA_OUTPUT_ROWS(ldf_options),
 };
 
 const struct rk_command rk_command_ldf = {

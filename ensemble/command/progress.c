@@ -7,8 +7,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-/* "45 s", "12 min", "3 h 20 min", "5 d 2 h". */
-static void duration(double seconds, char *text, size_t size) {
+void rk_duration(double seconds, char *text, size_t size) {
     double minutes = floor(seconds / 60), hours = floor(minutes / 60), days = floor(hours / 24);
     if (seconds < 100) {
         snprintf(text, size, "%.0f s", seconds);
@@ -51,7 +50,7 @@ void rk_progress_draw(const struct rk_progress *p) {
         double rate = p->grain_steps / p->seconds;
         double left = fmax(p->total - p->grain_steps, 0) / rate;
         char text[32];
-        duration(left, text, sizeof text);
+        rk_duration(left, text, sizeof text);
         add(line, sizeof line, ", %.1f million grain-steps/s, %s left", rate / 1e6, text);
     }
     rk_progress_clear();

@@ -1,10 +1,14 @@
 /* reckon status: how far a study's folder is, from any terminal, touching nothing. */
 #include "ensemble/analysis/json.h"
 #include "ensemble/command/command.h"
+#include "ensemble/command/progress.h"
 #include "ensemble/store.h"
+#include "ensemble/store/worker.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { REASONS_SHOWN = 20 };
 
@@ -21,29 +25,104 @@ static const struct rk_option options[] = {
 
 struct tally {
     size_t count[RK_RUN_FAILED + 1]; /* runs by enum rk_run_state */
-    bool busy;
-    char who[96];
+    size_t running;                  /* of those started or waiting, what somebody is at */
+    double left;                     /* grain-steps, at most */
+    double rate;                     /* of all who are at work */
+    struct rk_work *workers;
+    size_t worker_count;
 };
 
-static struct tally tally_of(const char *folder, const struct rk_plan *plan) {
-    struct tally tally = {.busy = false};
-    tally.busy = rk_store_busy(folder, tally.who);
-    for (size_t i = 0; i < plan->count; i++) {
-        tally.count[rk_store_run_state(folder, plan, &plan->runs[i])]++;
+/* What is left is counted as planned, but for the runs that somebody is at. */
+static void add_workers(struct tally *t) {
+    for (size_t w = 0; w < t->worker_count; w++) {
+        t->rate += t->workers[w].rate;
+        t->running += t->workers[w].count;
     }
+}
+
+static int by_id(const void *a, const void *b) {
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* The runs that somebody is at, sorted by id; the pointers are the caller's. */
+static const struct rk_work_run **running_runs(const struct tally *t) {
+    const struct rk_work_run **list = calloc(t->running + 1, sizeof *list);
+    size_t n = 0;
+    for (size_t w = 0; list && w < t->worker_count; w++) {
+        for (size_t r = 0; r < t->workers[w].count; r++) {
+            list[n++] = &t->workers[w].runs[r];
+        }
+    }
+    if (list) {
+        /* A struct rk_work_run begins with its id. */
+        qsort(list, n, sizeof *list, by_id);
+    }
+    return list;
+}
+
+static double cost_left(const struct rk_run *run, const struct rk_work_run **running,
+                        size_t count) {
+    const char *id = run->id;
+    const struct rk_work_run **found =
+        running ? bsearch(&id, running, count, sizeof *running, by_id) : NULL;
+    return found ? fmax((*found)->cost - (*found)->done, 0) : run->cost;
+}
+
+static struct tally tally_of(const char *folder, const struct rk_plan *plan) {
+    struct tally tally = {.rate = 0};
+    rk_workers_list(folder, NULL, &tally.workers, &tally.worker_count, NULL);
+    add_workers(&tally);
+    const struct rk_work_run **running = running_runs(&tally);
+    for (size_t i = 0; i < plan->count; i++) {
+        enum rk_run_state state = rk_store_run_state(folder, plan, &plan->runs[i]);
+        tally.count[state]++;
+        if (state == RK_RUN_STARTED || state == RK_RUN_WAITING) {
+            tally.left += cost_left(&plan->runs[i], running, tally.running);
+        }
+    }
+    free(running);
     return tally;
 }
 
+/* Seconds that are left, NaN when nobody is at work or has been for too short. */
+static double eta(const struct tally *t) {
+    return t->rate > 0 ? t->left / t->rate : (double)NAN;
+}
+
+static void print_workers(const struct tally *t) {
+    if (t->worker_count == 0) {
+        printf("nobody is at work in it\n");
+    }
+    for (size_t w = 0; w < t->worker_count; w++) {
+        const struct rk_work *work = &t->workers[w];
+        printf("%s is at work in it: %zu running, %.1f million grain-steps/s\n", work->who,
+               work->count, work->rate / 1e6);
+        for (size_t r = 0; r < work->count; r++) {
+            const struct rk_work_run *run = &work->runs[r];
+            printf("  %-24s %5.1f %%\n", run->id, run->cost > 0 ? 100 * run->done / run->cost : 0);
+        }
+    }
+}
+
 static void print_text(const char *folder, const struct rk_plan *plan, const struct tally *t) {
-    size_t started = t->count[RK_RUN_STARTED];
+    size_t open = t->count[RK_RUN_STARTED] + t->count[RK_RUN_WAITING];
+    size_t running = t->running < open ? t->running : open;
+    size_t stopped = t->count[RK_RUN_STARTED] > running ? t->count[RK_RUN_STARTED] - running : 0;
     printf("%s: study %s, %zu runs\n", folder, plan->study->name, plan->count);
     printf("  done     %8zu\n", t->count[RK_RUN_DONE]);
     printf("  failed   %8zu\n", t->count[RK_RUN_FAILED]);
-    printf("  %s  %8zu\n", t->busy ? "running" : "started", started);
-    printf("  waiting  %8zu\n", t->count[RK_RUN_WAITING]);
-    printf("%s%s\n", t->busy ? t->who : "nobody", " is at work in it");
+    printf("  running  %8zu\n", running);
+    printf("  stopped  %8zu\n", stopped);
+    printf("  waiting  %8zu\n", open - running - stopped);
+    print_workers(t);
+    if (open > 0 && t->rate > 0) {
+        char text[32];
+        rk_duration(eta(t), text, sizeof text);
+        printf("about %s left at that rate, at most\n", text);
+    }
     size_t shown = 0;
-    for (size_t i = 0; i < plan->count && shown < REASONS_SHOWN; i++) {
+    for (size_t i = 0; i < plan->count && shown < REASONS_SHOWN && shown < t->count[RK_RUN_FAILED];
+         i++) {
         char reason[512];
         if (rk_store_run_reason(folder, plan, &plan->runs[i], reason) == RK_RUN_FAILED) {
             printf("failed %s: %s\n", plan->runs[i].id, reason);
@@ -55,6 +134,26 @@ static void print_text(const char *folder, const struct rk_plan *plan, const str
     }
 }
 
+static void print_json_workers(struct rk_json *json, const struct tally *t) {
+    rk_json_open_list(json, "workers");
+    for (size_t w = 0; w < t->worker_count; w++) {
+        rk_json_open_map(json, NULL);
+        rk_json_text(json, "who", t->workers[w].who);
+        rk_json_number(json, "grain_steps_per_second", t->workers[w].rate);
+        rk_json_open_list(json, "runs");
+        for (size_t r = 0; r < t->workers[w].count; r++) {
+            rk_json_open_map(json, NULL);
+            rk_json_text(json, "run", t->workers[w].runs[r].id);
+            rk_json_number(json, "grain_steps_done", t->workers[w].runs[r].done);
+            rk_json_number(json, "grain_steps", t->workers[w].runs[r].cost);
+            rk_json_close(json);
+        }
+        rk_json_close(json);
+        rk_json_close(json);
+    }
+    rk_json_close(json);
+}
+
 static void print_json(const char *folder, const struct rk_plan *plan, const struct tally *t) {
     struct rk_json json = rk_json_of(stdout);
     rk_json_open_map(&json, NULL);
@@ -64,12 +163,15 @@ static void print_json(const char *folder, const struct rk_plan *plan, const str
     rk_json_count(&json, "runs", plan->count);
     rk_json_count(&json, "done", t->count[RK_RUN_DONE]);
     rk_json_count(&json, "failed", t->count[RK_RUN_FAILED]);
+    rk_json_count(&json, "running", t->running);
     rk_json_count(&json, "started", t->count[RK_RUN_STARTED]);
     rk_json_count(&json, "waiting", t->count[RK_RUN_WAITING]);
-    rk_json_flag(&json, "busy", t->busy);
-    rk_json_text(&json, "at_work", t->busy ? t->who : NULL);
+    rk_json_number(&json, "grain_steps_left", t->left);
+    rk_json_number(&json, "grain_steps_per_second", t->rate);
+    rk_json_number(&json, "seconds_left", eta(t));
+    print_json_workers(&json, t);
     rk_json_open_list(&json, "failures");
-    for (size_t i = 0; i < plan->count; i++) {
+    for (size_t i = 0; i < plan->count && t->count[RK_RUN_FAILED] > 0; i++) {
         char reason[512];
         if (rk_store_run_reason(folder, plan, &plan->runs[i], reason) == RK_RUN_FAILED) {
             rk_json_open_map(&json, NULL);
@@ -101,6 +203,7 @@ static int status_main(const void *values, size_t count, char *const *operands) 
         } else {
             print_text(operands[0], plan, &tally);
         }
+        rk_workers_free(tally.workers, tally.worker_count);
     }
     rk_plan_free(plan);
     rk_study_free(study);
@@ -111,8 +214,10 @@ const struct rk_command rk_command_status = {
     .name = "status",
     .summary = "how far a study's folder is",
     .usage = "DIR [--json]",
-    .about = "Tells what is done, failed (and why), started and waiting, and who is at work.\n"
-             "It only looks: it may be asked from any terminal while a study runs.",
+    .about =
+        "Tells what is done, failed (and why), running, stopped half way and waiting, who is\n"
+        "at work, how fast, and when it will be done. It only looks: it may be asked from any\n"
+        "terminal while a study runs. What is said of running replicas is a few seconds old.",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .size = sizeof(struct status_options),

@@ -62,6 +62,13 @@ static void spare(const struct work *w, double grain_steps) {
     }
 }
 
+/* Others take a program for dead that gave no sign of life for long, and go on with its runs. */
+static enum rk_status still_ours(const struct work *w, struct rk_error *err) {
+    return !w->hooks->holds || w->hooks->holds(w->hooks->context)
+               ? RK_OK
+               : rk_fail(err, RK_ECONFLICT, "another program has taken over run %s", w->run->id);
+}
+
 static enum rk_status set_paths(struct paths *paths, const char *folder, const struct rk_run *run,
                                 struct rk_error *err) {
     enum rk_status status = rk_path_of_run(&paths->spool, folder, run->id, ".spool", err);
@@ -139,7 +146,10 @@ static enum rk_status checkpoint(struct work *w, struct rk_error *err) {
                               .preparation = w->preparation,
                               .state = w->state,
                               .size = size};
-    enum rk_status status = rk_spool_sync(w->spool, &c.spool, err);
+    enum rk_status status = still_ours(w, err);
+    if (status == RK_OK) {
+        status = rk_spool_sync(w->spool, &c.spool, err);
+    }
     if (status == RK_OK) {
         status = rk_checkpoint_write(w->paths.checkpoint.text, &w->origin, &c, err);
     }
@@ -302,6 +312,9 @@ static enum rk_status publish(struct work *w, const struct rk_error *failure,
                                 .reason = failure ? failure->message : NULL};
     const char *partial = w->paths.partial.text;
     enum rk_status status = rk_h5md_write(partial, &outcome, w->spool, err);
+    if (status == RK_OK) {
+        status = still_ours(w, err);
+    }
     if (status == RK_OK) {
         status = rk_file_publish(partial, w->paths.final.text, err);
     }

@@ -18,13 +18,15 @@ struct rk_run_hooks {
     void (*message)(void *context, const char *line);   /* something worth a line */
     void (*advance)(void *context, double grain_steps); /* so much was just done */
     void (*spare)(void *context, double grain_steps);   /* so much of its cost is not needed */
+    bool (*holds)(void *context); /* asked before files change: is the run still this program's? */
     void *context;
     double checkpoint_every; /* seconds between two checkpoints; 0: at every sample */
 };
 
 /* Carry out a run in a study folder (which must have its "runs"). RK_OK: its file is there, and
  * *failed tells whether it records a failure. RK_EINTERRUPTED: stopped on request, with a
- * checkpoint unless it was still being prepared. RK_EINVALID, RK_EMEMORY, RK_EIO: it could not be
+ * checkpoint unless it was still being prepared. RK_ECONFLICT: it is another program's by now.
+ * RK_EINVALID, RK_EMEMORY, RK_EIO: it could not be
  * carried out; what it had so far is kept as it is. */
 enum rk_status rk_run_execute(const char *folder, const struct rk_plan *plan,
                               const struct rk_run *run, const struct rk_run_hooks *hooks,

@@ -1,5 +1,6 @@
 #include "ensemble/store/files.h"
 #include "ensemble/store/origin.h"
+#include "ensemble/store/process.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -40,6 +41,13 @@ enum rk_status rk_path_of_run(struct rk_path *path, const char *folder, const ch
     return rk_path_set(path, err, "%s/runs/%s%s", folder, id, suffix);
 }
 
+enum rk_status rk_path_temporary(struct rk_path *temporary, const char *path,
+                                 struct rk_error *err) {
+    char process[RK_PROCESS_NAME];
+    rk_process_name(process);
+    return rk_path_set(temporary, err, "%s.%s.tmp", path, process);
+}
+
 enum rk_status(rk_fail_system)(struct rk_error *err, const char *verb, const char *path) {
     int reason = errno;
     return rk_fail(err, RK_EIO, "cannot %s '%s': %s", verb, path, strerror(reason));
@@ -48,6 +56,11 @@ enum rk_status(rk_fail_system)(struct rk_error *err, const char *verb, const cha
 bool rk_file_exists(const char *path) {
     struct stat facts;
     return stat(path, &facts) == 0;
+}
+
+bool rk_name_exists(const char *path) {
+    struct stat facts;
+    return lstat(path, &facts) == 0;
 }
 
 enum rk_status rk_file_write(int file, const void *bytes, size_t size, const char *path,

@@ -27,6 +27,10 @@ enum rk_status rk_path_set(struct rk_path *path, struct rk_error *err, const cha
 enum rk_status rk_path_of_run(struct rk_path *path, const char *folder, const char *id,
                               const char *suffix, struct rk_error *err);
 
+/* A name beside `path` for what will be renamed to it, "<path>.<process>.tmp": no other process
+ * uses it. What a process that was killed leaves under it is found by rk_worker_sweep. */
+enum rk_status rk_path_temporary(struct rk_path *temporary, const char *path, struct rk_error *err);
+
 /* "cannot <verb> '<path>': <the system's reason of errno>". */
 enum rk_status rk_fail_system(struct rk_error *err, const char *verb, const char *path);
 
@@ -35,6 +39,8 @@ enum rk_status rk_fail_system(struct rk_error *err, const char *verb, const char
 #endif
 
 bool rk_file_exists(const char *path);
+/* Is there anything of that name, be it a link to nowhere? */
+bool rk_name_exists(const char *path);
 
 /* Write `size` bytes to an open file, however many calls it takes. `path` is for the message. */
 enum rk_status rk_file_write(int file, const void *bytes, size_t size, const char *path,

@@ -167,34 +167,48 @@ static bool is_current(const char *folder, const struct rk_plan *plan, const uin
            strcmp(found.reason, expected.reason) == 0;
 }
 
-static enum rk_status build(const char *folder, const struct rk_plan *plan, bool unless_current,
-                            const struct rk_index_addition *addition, struct rk_error *err) {
-    uint8_t *states = malloc(plan->count + 1);
-    if (!states) {
-        return rk_fail(err, RK_EMEMORY, "not enough memory to index %zu runs", plan->count);
-    }
+static void states_of(const char *folder, const struct rk_plan *plan, uint8_t *states) {
     for (size_t i = 0; i < plan->count; i++) {
         states[i] = (uint8_t)rk_store_run_state(folder, plan, &plan->runs[i]);
     }
-    struct rk_path partial; /* of a program that was killed */
-    enum rk_status status = rk_path_set(&partial, err, "%s/study.h5.tmp", folder);
-    if (status == RK_OK && unless_current && is_current(folder, plan, states)) {
-        status = rk_file_remove(partial.text, err);
-    } else if (status == RK_OK) {
-        const struct contents contents = {plan, states, addition};
-        status = rk_study_file_write(&index_file, folder, plan, note_of(plan, states).text,
-                                     &contents, err);
-    }
-    free(states);
-    return status;
+}
+
+static enum rk_status build(const char *folder, const struct rk_plan *plan, const uint8_t *states,
+                            const struct rk_index_addition *addition, struct rk_error *err) {
+    const struct contents contents = {plan, states, addition};
+    return rk_study_file_write(&index_file, folder, plan, note_of(plan, states).text, &contents,
+                               err);
 }
 
 enum rk_status rk_index_write(const char *folder, const struct rk_plan *plan,
                               const struct rk_index_addition *addition, struct rk_error *err) {
-    return build(folder, plan, false, addition, err);
+    uint8_t *states = malloc(plan->count + 1);
+    if (!states) {
+        return rk_fail(err, RK_EMEMORY, "not enough memory to index %zu runs", plan->count);
+    }
+    states_of(folder, plan, states);
+    enum rk_status status = build(folder, plan, states, addition, err);
+    free(states);
+    return status;
 }
 
+/* Looked at again once it is written: another program may have finished runs meanwhile, and its
+ * index, of more runs, may have been replaced by this one. */
 enum rk_status rk_index_refresh(const char *folder, const struct rk_plan *plan,
                                 struct rk_error *err) {
-    return build(folder, plan, true, NULL, err);
+    enum { TRIES = 8 };
+    enum rk_status status = RK_OK;
+    uint8_t *states = malloc(plan->count + 1);
+    if (!states) {
+        return rk_fail(err, RK_EMEMORY, "not enough memory to index %zu runs", plan->count);
+    }
+    for (int i = 0; status == RK_OK && i < TRIES; i++) {
+        states_of(folder, plan, states);
+        if (is_current(folder, plan, states)) {
+            break;
+        }
+        status = build(folder, plan, states, NULL, err);
+    }
+    free(states);
+    return status;
 }

@@ -3,105 +3,62 @@
 #include "ensemble/store/files.h"
 #include "ensemble/store/plan_file.h"
 #include "ensemble/store/seal.h"
+#include "ensemble/store/worker.h"
 
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 struct rk_store {
     struct rk_path folder;
-    int lock;
-    bool held; /* the lock is ours */
+    struct rk_worker *worker;
 };
 
 const char *rk_store_folder(const struct rk_store *store) {
     return store->folder.text;
 }
 
-/* ---- The lock: belongs to the open file, so that it ends with the program, however it ends ----
- */
+/* ---- Who is at work ---- */
 
-static struct flock whole_file(short type) {
-    return (struct flock){.l_type = type, .l_whence = SEEK_SET};
-}
-
-static void read_holder(int lock, char who[96]) {
-    ssize_t length = pread(lock, who, 95, 0);
-    who[length > 0 ? length : 0] = '\0';
-    who[strcspn(who, "\n")] = '\0';
-    if (who[0] == '\0') {
-        snprintf(who, 96, "another process");
-    }
-}
-
-/* Asks without locking, so that looking never stands in the way of a program that starts. */
-bool rk_store_busy(const char *folder, char who[96]) {
-    struct rk_path path;
+static bool anybody(const char *folder, const struct rk_worker *me, char who[96]) {
+    struct rk_work *others;
+    size_t count;
     who[0] = '\0';
-    if (rk_path_set(&path, NULL, "%s/lock", folder) != RK_OK) {
-        return false;
-    }
-    int lock = open(path.text, O_RDONLY | O_CLOEXEC);
-    if (lock < 0) {
-        return false;
-    }
-    struct flock query = whole_file(F_WRLCK);
-    bool busy = fcntl(lock, F_OFD_GETLK, &query) == 0 && query.l_type != F_UNLCK;
+    bool busy = rk_workers_list(folder, me, &others, &count, NULL) == RK_OK && count > 0;
     if (busy) {
-        read_holder(lock, who);
+        memcpy(who, others[0].who, sizeof others[0].who);
     }
-    close(lock);
+    rk_workers_free(others, count);
     return busy;
 }
 
-static enum rk_status take_lock(struct rk_store *store, struct rk_error *err) {
-    struct rk_path path;
-    enum rk_status status = rk_path_set(&path, err, "%s/lock", store->folder.text);
-    if (status != RK_OK) {
-        return status;
-    }
-    store->lock = open(path.text, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (store->lock < 0) {
-        return rk_fail_system(err, "write into the folder: open", path.text);
-    }
-    struct flock mine = whole_file(F_WRLCK);
-    if (fcntl(store->lock, F_OFD_SETLK, &mine) != 0) {
-        if (errno != EAGAIN && errno != EACCES) {
-            return rk_fail_system(err, "lock", path.text);
-        }
-        char who[96];
-        read_holder(store->lock, who);
-        return rk_fail(err, RK_ECONFLICT,
-                       "%s is at work in '%.200s': wait until it has ended, or stop it (it keeps "
-                       "what is done) and run this again",
-                       who, store->folder.text);
-    }
-    store->held = true;
-    char host[64] = "", line[96];
-    gethostname(host, sizeof host - 1); /* for the reader's eye only */
-    int length = snprintf(line, sizeof line, "process %ld on %.48s\n", (long)getpid(), host);
-    if (ftruncate(store->lock, 0) != 0) {
-        return rk_fail_system(err, "write", path.text);
-    }
-    return rk_file_write(store->lock, line, (size_t)length, path.text, err);
+bool rk_store_busy(const char *folder, char who[96]) {
+    return anybody(folder, NULL, who);
+}
+
+bool rk_store_shared(const struct rk_store *store, char who[96]) {
+    return anybody(store->folder.text, store->worker, who);
+}
+
+struct rk_worker *rk_store_worker(const struct rk_store *store) {
+    return store->worker;
 }
 
 /* ---- Whose folder is it? ---- */
 
 /* What a program that was killed while it made a study folder may have left before plan.h5. */
 static bool is_beginning(const char *name) {
-    static const char *const names[] = {".", "..", "lock", "runs", "plan.h5.tmp"};
+    static const char *const names[] = {".", "..", "at_work", "runs"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         if (strcmp(name, names[i]) == 0) {
             return true;
         }
     }
-    return false;
+    size_t length = strlen(name);
+    return strncmp(name, "plan.h5.", 8) == 0 && strcmp(name + length - 4, ".tmp") == 0;
 }
 
 static enum rk_status only_beginnings(const char *folder, struct rk_error *err) {
@@ -166,8 +123,15 @@ static enum rk_status write_study(const char *folder, const struct rk_study *stu
     enum rk_status status =
         text ? rk_path_set(&path, err, "%s/study.yaml", folder)
              : rk_fail(err, RK_EMEMORY, "not enough memory for the text of the study");
+    struct rk_path temporary;
     if (status == RK_OK) {
-        status = rk_file_replace(path.text, text, strlen(text), err);
+        status = rk_path_temporary(&temporary, path.text, err);
+    }
+    if (status == RK_OK) {
+        status = rk_file_put(temporary.text, text, strlen(text), err);
+    }
+    if (status == RK_OK) {
+        status = rk_file_publish_change(temporary.text, path.text, err);
     }
     free(text);
     return status;
@@ -193,7 +157,6 @@ enum rk_status rk_store_open(const char *folder, const struct rk_plan *plan, str
     if (!store) {
         return rk_fail(err, RK_EMEMORY, "not enough memory");
     }
-    store->lock = -1;
     enum rk_status status = rk_path_set(&store->folder, err, "%s", folder);
     if (status == RK_OK) {
         status = inspect(folder, plan, err);
@@ -202,12 +165,13 @@ enum rk_status rk_store_open(const char *folder, const struct rk_plan *plan, str
         status = rk_folder_make(folder, err);
     }
     if (status == RK_OK) {
-        status = take_lock(store, err);
+        status = rk_worker_begin(folder, &store->worker, err);
     }
     if (status == RK_OK) {
         status = inspect(folder, plan, err); /* again: somebody may have been quicker */
     }
     if (status == RK_OK) {
+        rk_worker_sweep(store->worker);
         status = fill_folder(folder, plan, err);
     }
     if (status != RK_OK) {
@@ -220,12 +184,7 @@ enum rk_status rk_store_open(const char *folder, const struct rk_plan *plan, str
 
 void rk_store_close(struct rk_store *store) {
     if (store) {
-        if (store->lock >= 0) {
-            /* A folder that nobody is at work in says nothing of who was. */
-            int ignored = store->held ? ftruncate(store->lock, 0) : 0;
-            (void)ignored;
-            close(store->lock);
-        }
+        rk_worker_end(store->worker);
         free(store);
     }
 }

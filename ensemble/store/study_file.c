@@ -35,7 +35,7 @@ enum rk_status rk_study_file_write(const struct rk_study_file *file, const char 
     struct rk_path path, partial;
     enum rk_status status = rk_path_set(&path, err, "%s/%s", folder, file->name);
     if (status == RK_OK) {
-        status = rk_path_set(&partial, err, "%s.tmp", path.text);
+        status = rk_path_temporary(&partial, path.text, err);
     }
     if (status != RK_OK) {
         return status;

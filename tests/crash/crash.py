@@ -3,56 +3,18 @@
 Usage: crash.py RECKON STUDY. The moments of the kills come from a fixed seed; where they fall in a
 run depends on the machine, which is the point.
 """
-import json
 import os
 import pathlib
 import random
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 
-RECKON, STUDY = sys.argv[1], pathlib.Path(sys.argv[2])
+from study_runs import STUDY, command, contents, expect_same, finished_are_whole, run, status
+
 MOST_KILLS = 200
-
-
-def command(folder, *more, study=STUDY):
-    return [RECKON, "run", str(study), "-o", str(folder), *more]
-
-
-def run(folder, *more, study=STUDY, code=0):
-    done = subprocess.run(command(folder, *more, study=study), capture_output=True, text=True)
-    assert done.returncode == code, (folder, done.returncode, done.stdout, done.stderr)
-    return done
-
-
-def status(folder):
-    done = subprocess.run([RECKON, "status", str(folder), "--json"], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout)
-
-
-def contents(folder):
-    """All that is to be the same."""
-    return {
-        str(path.relative_to(folder)): path.read_bytes()
-        for path in sorted(folder.rglob("*"))
-        if path.is_file()
-    }
-
-
-def expect_same(first, second):
-    a, b = contents(first), contents(second)
-    assert a.keys() == b.keys(), (sorted(a), sorted(b))
-    assert all(a[name] == b[name] for name in a), [name for name in a if a[name] != b[name]]
-
-
-def finished_are_whole(folder, reference):
-    """Whatever has its final name has its final bytes."""
-    for path in (folder / "runs").glob("*.h5"):
-        assert path.read_bytes() == (reference / "runs" / path.name).read_bytes(), path
 
 
 def killed_at_any_moment(work, reference):
@@ -100,21 +62,6 @@ def stopped_on_request(work, reference):
     expect_same(folder, reference)
     assert stops >= 2, stops
     print(f"stopped {stops} times with exit 130: the same bytes")
-
-
-def one_at_a_time(work):
-    folder = work / "shared"
-    process = subprocess.Popen(command(folder, "--threads", "1", "--quiet"))
-    while not (folder / "study.yaml").exists():
-        time.sleep(0.005)
-    busy = status(folder)
-    second = run(folder, code=2)
-    assert busy["busy"] and str(process.pid) in busy["at_work"], busy
-    assert str(process.pid) in second.stderr and second.stderr.count("\n") == 1, second.stderr
-    process.kill()
-    process.wait()
-    assert not status(folder)["busy"]
-    print("a second program is refused, and told who is at work")
 
 
 def damage_is_repaired(work, reference):
@@ -182,7 +129,6 @@ def main():
         seeds(work, reference)
         killed_at_any_moment(work, reference)
         stopped_on_request(work, reference)
-        one_at_a_time(work)
         damage_is_repaired(work, reference)
         failures_are_results(work)
 

@@ -1,5 +1,5 @@
 /* Discs and spheres in a plane, and gravity of every kind: closed forms. */
-#include "engine/engine.h"
+#include "tests/kit/scene_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -23,11 +23,11 @@ static struct rk_scene_spec spec_of(const char *body, double gamma, double mu, d
     return (struct rk_scene_spec){
         .grains = 2,
         .walls = 1,
-        .body = rk_registry_find(&rk_body_registry, body),
+        .body = kit_piece(&rk_body_registry, body),
         .dt = dt,
         .gamma = gamma,
         .smallest = mass,
-        .contact = {.friction = rk_registry_find(&rk_friction_registry, "cundall-strack"),
+        .contact = {.friction = kit_piece(&rk_friction_registry, "cundall-strack"),
                     .kn = kn,
                     .kt = kt,
                     .mu = mu},
@@ -44,19 +44,6 @@ static struct rk_scene *scene_of(const struct rk_scene_spec *spec, const struct 
     assert_int_equal(rk_scene_add_wall(scene, &floor, NULL), RK_OK);
     assert_int_equal(rk_scene_add_grain(scene, grain, NULL), RK_OK);
     return scene;
-}
-
-static void step(struct rk_scene *scene, uint64_t steps) {
-    struct rk_error err = RK_NO_ERROR;
-    if (rk_scene_step(scene, steps, &err)) {
-        fail_msg("%s", err.message);
-    }
-}
-
-static struct rk_grain first_grain(const struct rk_scene *scene) {
-    struct rk_grain grain;
-    assert_int_equal(rk_scene_grain(scene, 0, &grain, NULL), RK_OK);
-    return grain;
 }
 
 static void every_body_is_tested(void **state) {
@@ -82,8 +69,8 @@ static void a_sliding_body_ends_up_rolling(void **state) {
         const double slip = mu * mass / sqrt(kt * mass * b / (1 + b)); /* its amplitude */
         const double ringing = slip * b / (1 + b), build_up = mu * mass / (kt * u0);
         for (int tenth = 1; tenth <= 30; tenth++) {
-            step(scene, (uint64_t)(0.1 * sliding / dt));
-            struct rk_grain g = first_grain(scene);
+            kit_step(scene, (uint64_t)(0.1 * sliding / dt));
+            struct rk_grain g = kit_grain(scene, 0);
             double t = rk_scene_time(scene);
             assert_true(fabs(mass * radius * g.vx - inertia * g.omega - before) <
                         2e4 * 4 * 1.2e-16);
@@ -113,8 +100,8 @@ static void a_sliding_impact_spins_as_inertia_says(void **state) {
         struct rk_grain ball = {
             .y = radius - 1e-13, .vx = 10, .vy = -1, .radius = radius, .mass = mass};
         struct rk_scene *scene = scene_of(&spec, &ball);
-        step(scene, 12000);
-        struct rk_grain g = first_grain(scene);
+        kit_step(scene, 12000);
+        struct rk_grain g = kit_grain(scene, 0);
         double normal = g.vy + 1;
         assert_true(g.y > radius && normal > 1);
         assert_true(fabs(10 - g.vx - mu * normal) < 2e-3 * mu * normal);
@@ -152,7 +139,7 @@ static void inertia_is_seen_by_energy_and_stable_step(void **state) {
 /* ---- Gravity --------------------------------------------------------------------------------- */
 
 static struct rk_gravity_spec switched(double when) {
-    return (struct rk_gravity_spec){.kind = rk_registry_find(&rk_gravity_registry, "switched"),
+    return (struct rk_gravity_spec){.kind = kit_piece(&rk_gravity_registry, "switched"),
                                     .first = {0.25, -1},
                                     .then = {-0.5, 0.75},
                                     .when = when};
@@ -169,9 +156,9 @@ static void a_free_fall_feels_the_switch_exactly(void **state) {
         spec.pull = switched(times[k]);
         struct rk_grain ball = {.y = 100, .vx = 1, .radius = radius, .mass = mass};
         struct rk_scene *scene = scene_of(&spec, &ball);
-        step(scene, 1024);
+        kit_step(scene, 1024);
         double first = fmin(times[k], 1), then = 1 - first;
-        struct rk_grain g = first_grain(scene);
+        struct rk_grain g = kit_grain(scene, 0);
         double x = 1 + 0.125 * first * first + 0.25 * first * then - 0.25 * then * then;
         assert_true(fabs(g.vx - (1 + 0.25 * first - 0.5 * then)) < 1e-12);
         assert_true(fabs(g.vy - (-first + 0.75 * then)) < 1e-12);
@@ -193,7 +180,7 @@ static void the_ledger_closes_through_a_switch(void **state) {
             struct rk_grain ball = {.y = 0.6, .vx = -1, .vy = -1, .radius = radius, .mass = mass};
             struct rk_scene *scene = scene_of(&spec, &ball);
             struct rk_ledger ledger;
-            step(scene, (uint64_t)llround(0.9 / dt));
+            kit_step(scene, (uint64_t)llround(0.9 / dt));
             assert_true(rk_scene_ledger(scene, &ledger));
             residual[fine] = fmax(residual[fine], fabs(ledger.residual));
             assert_true(fabs(ledger.gravity) > 0.01);
@@ -212,16 +199,16 @@ static void a_box_can_be_tilted(void **state) {
     spec.gravity[1] = -1;
     struct rk_grain ball = {.y = radius - mass / kn, .radius = radius, .mass = mass};
     struct rk_scene *scene = scene_of(&spec, &ball);
-    step(scene, 1000);
+    kit_step(scene, 1000);
     const struct rk_gravity_spec tilted = {.first = {s, -c}};
     struct rk_gravity_spec wrong = {.first = {NAN, 0}};
     assert_int_equal(rk_scene_set_gravity(scene, &wrong, NULL), RK_EINVALID);
     assert_int_equal(rk_scene_set_gravity(scene, &tilted, NULL), RK_OK);
-    step(scene, 10000);
+    kit_step(scene, 10000);
     double felt[2];
     rk_scene_gravity(scene, felt);
     assert_true(felt[0] == s && felt[1] == -c);
-    struct rk_grain g = first_grain(scene);
+    struct rk_grain g = kit_grain(scene, 0);
     assert_true(fabs(g.vx - s) < 1e-12); /* a smooth contact: g sin(angle) for one time unit */
     struct rk_ledger ledger;
     assert_true(rk_scene_ledger(scene, &ledger));
@@ -234,11 +221,11 @@ static void no_gravity_is_none(void **state) {
     (void)state;
     struct rk_scene_spec spec = spec_of("disc", 10, 0, 1e-3);
     spec.gravity[1] = -1;
-    spec.pull.kind = rk_registry_find(&rk_gravity_registry, "none");
+    spec.pull.kind = kit_piece(&rk_gravity_registry, "none");
     struct rk_grain ball = {.y = 2, .vx = 0.5, .radius = radius, .mass = mass};
     struct rk_scene *scene = scene_of(&spec, &ball);
-    step(scene, 1000);
-    struct rk_grain g = first_grain(scene);
+    kit_step(scene, 1000);
+    struct rk_grain g = kit_grain(scene, 0);
     assert_true(g.vx == 0.5 && g.vy == 0 && g.y == 2);
     rk_scene_free(scene);
     spec.pull = switched(NAN);

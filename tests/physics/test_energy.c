@@ -1,5 +1,6 @@
 /* The energy ledger closes, for every law, friction and rolling resistance of the registries. */
 #include "engine/integrator.h"
+#include "tests/kit/scene_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -15,54 +16,43 @@ struct physics {
 };
 
 /* Three discs fall obliquely onto a rising plate and onto each other. */
-static struct rk_scene *collisions(const struct physics *p, double dt) {
-    struct rk_scene_spec spec = {
-        .grains = 3,
-        .walls = 2,
-        .gravity = {0.1, -1},
-        .dt = dt,
-        .gamma = p->law == rk_law_registry.pieces[1] ? 40 : 5,
-        .smallest = 0.25,
-        .contact = {.law = p->law,
-                    .friction = p->friction,
-                    .rolling = p->rolling,
-                    .tension = p->tension,
-                    .kn = 1000,
-                    .kt = 750,
-                    .mu = 0.4,
-                    .gamma_t = 3,
-                    .mu_rolling = 0.2,
-                    .young = 2e4,
-                    .loss = 0.003},
-        .accuracy = {.integrator = p->integrator, .skin = 0.2},
-        .health = {.overlap = 1, .travel = 1, .every = 1000},
-        .ledger = true,
-    };
-    struct rk_drive_spec drive = {.kind = rk_registry_find(&rk_drive_registry, "sinusoid"),
+static struct rk_scene *collisions(const struct physics *p, double dt, bool ledger) {
+    struct rk_scene_spec spec = kit_spec(3, 2);
+    spec.gravity[0] = 0.1;
+    spec.gravity[1] = -1;
+    spec.dt = dt;
+    spec.gamma = p->law == rk_law_registry.pieces[1] ? 40 : 5;
+    spec.contact.law = p->law;
+    spec.contact.friction = p->friction;
+    spec.contact.rolling = p->rolling;
+    spec.contact.tension = p->tension;
+    spec.contact.mu = 0.4;
+    spec.contact.gamma_t = 3;
+    spec.contact.mu_rolling = 0.2;
+    spec.contact.loss = 0.003;
+    spec.accuracy.integrator = p->integrator;
+    spec.ledger = ledger;
+    struct rk_drive_spec drive = {.kind = kit_piece(&rk_drive_registry, "sinusoid"),
                                   .amplitude = 0.2,
                                   .period = 1,
                                   .direction = {0.6, 0.8}};
-    const struct rk_wall_spec walls[] = {{.normal = {0, 1}, .friction = true, .drive = drive},
-                                         {.normal = {1, 0}, .friction = true}};
     const struct rk_grain grains[] = {
         {.x = 1, .y = 0.7, .vx = -1, .vy = -1, .omega = 2, .radius = 0.5, .mass = 0.25},
         {.x = 1.9, .y = 0.8, .vx = -2, .vy = 0.3, .radius = 0.5, .mass = 0.25},
         {.x = 1.4, .y = 1.9, .vx = 0.3, .vy = -1.5, .omega = -3, .radius = 0.7, .mass = 0.49}};
-    struct rk_scene *scene = NULL;
-    assert_int_equal(rk_scene_create(&spec, &scene, NULL), RK_OK);
-    for (int w = 0; w < 2; w++) {
-        assert_int_equal(rk_scene_add_wall(scene, &walls[w], NULL), RK_OK);
-    }
+    struct rk_scene *scene = kit_scene(&spec);
+    kit_add_wall(scene, &(struct rk_wall_spec){.normal = {0, 1}, .friction = true, .drive = drive});
+    kit_add_line(scene, 0, 0, 1, 0);
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(rk_scene_add_grain(scene, &grains[i], NULL), RK_OK);
+        kit_add(scene, grains[i]);
     }
     return scene;
 }
 
 static struct rk_ledger ledger_after(const struct physics *p, double dt, double duration) {
-    struct rk_scene *scene = collisions(p, dt);
+    struct rk_scene *scene = collisions(p, dt, true);
     struct rk_ledger ledger;
-    assert_int_equal(rk_scene_step(scene, (uint64_t)llround(duration / dt), NULL), RK_OK);
+    kit_step(scene, (uint64_t)llround(duration / dt));
     assert_true(rk_scene_ledger(scene, &ledger));
     rk_scene_free(scene);
     return ledger;
@@ -115,26 +105,18 @@ static void every_ledger_closes_at_second_order(void **state) {
  */
 static struct rk_ledger moved(const char *shape, const char *drive, double dt) {
     static const double vertices[4][2] = {{-1, 0}, {2.4, 0}, {2.4, 0.4}, {-1, 0.3}};
-    struct rk_scene_spec spec = {
-        .grains = 2,
-        .walls = 2,
-        .gravity = {0.1, -1},
-        .dt = dt,
-        .gamma = 5,
-        .smallest = 0.25,
-        .contact = {.friction = rk_registry_find(&rk_friction_registry, "cundall-strack"),
-                    .rolling = rk_registry_find(&rk_rolling_registry, "spring"),
-                    .kn = 1000,
-                    .kt = 750,
-                    .mu = 0.4,
-                    .mu_rolling = 0.2},
-        .accuracy = {.skin = 0.2},
-        .health = {.overlap = 1, .travel = 1, .every = 1000},
-        .ledger = true,
-    };
+    struct rk_scene_spec spec = kit_spec(2, 2);
+    spec.gravity[0] = 0.1;
+    spec.gravity[1] = -1;
+    spec.dt = dt;
+    spec.gamma = 5;
+    spec.contact.rolling = kit_piece(&rk_rolling_registry, "spring");
+    spec.contact.mu = 0.4;
+    spec.contact.mu_rolling = 0.2;
+    spec.ledger = true;
     bool polygon = strcmp(shape, "polygon") == 0;
     struct rk_wall_spec wall = {
-        .shape = rk_registry_find(&rk_shape_registry, shape),
+        .shape = kit_piece(&rk_shape_registry, shape),
         .normal = {0, 1},
         .vertices = vertices,
         .vertex_count = polygon ? 4 : 2,
@@ -145,7 +127,7 @@ static struct rk_ledger moved(const char *shape, const char *drive, double dt) {
         .to = 2.9,
         .pivot = {-2, 0.3},
         .friction = true,
-        .drive = {.kind = rk_registry_find(&rk_drive_registry, drive),
+        .drive = {.kind = kit_piece(&rk_drive_registry, drive),
                   .amplitude = 0.2,
                   .period = 1,
                   .direction = {0.6, 0.8},
@@ -161,13 +143,12 @@ static struct rk_ledger moved(const char *shape, const char *drive, double dt) {
     const struct rk_grain grains[] = {
         {.x = 1, .y = 1, .vx = -0.5, .vy = -1, .omega = 2, .radius = 0.5, .mass = 0.25},
         {.x = 2.3, .y = 1.1, .vx = -2, .vy = -0.3, .radius = 0.5, .mass = 0.25}};
-    struct rk_scene *scene = NULL;
-    assert_int_equal(rk_scene_create(&spec, &scene, NULL), RK_OK);
-    assert_int_equal(rk_scene_add_wall(scene, &wall, NULL), RK_OK);
+    struct rk_scene *scene = kit_scene(&spec);
+    kit_add_wall(scene, &wall);
     for (int i = 0; i < 2; i++) {
-        assert_int_equal(rk_scene_add_grain(scene, &grains[i], NULL), RK_OK);
+        kit_add(scene, grains[i]);
     }
-    assert_int_equal(rk_scene_step(scene, (uint64_t)llround(1 / dt), NULL), RK_OK);
+    kit_step(scene, (uint64_t)llround(1 / dt));
     struct rk_ledger ledger;
     assert_true(rk_scene_ledger(scene, &ledger));
     double lost = ledger.damping + ledger.friction + ledger.rolling;
@@ -228,35 +209,13 @@ static void a_ledger_alters_nothing(void **state) {
     (void)state;
     struct physics p = {rk_law_registry.pieces[0], rk_friction_registry.pieces[1],
                         rk_rolling_registry.pieces[1], rk_tension_registry.pieces[0], NULL};
-    struct rk_scene *with = collisions(&p, 1e-4);
-    struct rk_scene_spec spec = *rk_scene_spec(with);
-    spec.ledger = false;
-    struct rk_scene *without = NULL;
-    assert_int_equal(rk_scene_create(&spec, &without, NULL), RK_OK);
-    struct rk_grain grains[3];
-    for (uint32_t i = 0; i < 3; i++) {
-        assert_int_equal(rk_scene_grain(with, i, &grains[i], NULL), RK_OK);
-    }
-    struct rk_drive_spec drive = {.kind = rk_registry_find(&rk_drive_registry, "sinusoid"),
-                                  .amplitude = 0.2,
-                                  .period = 1,
-                                  .direction = {0.6, 0.8}};
-    const struct rk_wall_spec walls[] = {{.normal = {0, 1}, .friction = true, .drive = drive},
-                                         {.normal = {1, 0}, .friction = true}};
-    for (int w = 0; w < 2; w++) {
-        assert_int_equal(rk_scene_add_wall(without, &walls[w], NULL), RK_OK);
-    }
-    for (int i = 0; i < 3; i++) {
-        assert_int_equal(rk_scene_add_grain(without, &grains[i], NULL), RK_OK);
-    }
-    assert_int_equal(rk_scene_step(with, 5000, NULL), RK_OK);
-    assert_int_equal(rk_scene_step(without, 5000, NULL), RK_OK);
+    struct rk_scene *with = collisions(&p, 1e-4, true), *without = collisions(&p, 1e-4, false);
+    kit_step(with, 5000);
+    kit_step(without, 5000);
     struct rk_ledger ledger;
     assert_false(rk_scene_ledger(without, &ledger));
     for (uint32_t i = 0; i < 3; i++) {
-        struct rk_grain a, b;
-        rk_scene_grain(with, i, &a, NULL);
-        rk_scene_grain(without, i, &b, NULL);
+        struct rk_grain a = kit_grain(with, i), b = kit_grain(without, i);
         assert_true(a.x == b.x && a.y == b.y && a.vx == b.vx && a.vy == b.vy &&
                     a.omega == b.omega && a.angle == b.angle);
     }

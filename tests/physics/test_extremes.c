@@ -1,6 +1,6 @@
 /* The edges of what can be asked for: right, or stopped with the reason and the dt that would do;
  * never a NaN in a state, never a hang. */
-#include "engine/engine.h"
+#include "tests/kit/scene_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -14,77 +14,18 @@
 
 /* An ordinary frictional scene with gravity, whose extremes the tests change. */
 static struct rk_scene_spec ordinary(size_t grains, size_t walls) {
-    struct rk_scene_spec spec = {
-        .grains = grains,
-        .walls = walls,
-        .gravity = {0, -1},
-        .smallest = 0.25,
-        .contact = {.law = rk_registry_find(&rk_law_registry, "linear"),
-                    .friction = rk_registry_find(&rk_friction_registry, "cundall-strack"),
-                    .tension = rk_registry_find(&rk_tension_registry, "cut"),
-                    .kn = 1000,
-                    .kt = 750,
-                    .mu = 0.5,
-                    .gamma_t = 5,
-                    .damping = 0.3,
-                    .young = 2e4,
-                    .loss = 0.002},
-        .accuracy = {.skin = 0.2},
-        .health = {.overlap = 0.5, .travel = 0.1, .every = 100},
-    };
+    struct rk_scene_spec spec = kit_spec(grains, walls);
+    spec.gravity[1] = -1;
+    spec.contact.damping = 0.3;
+    spec.health = (struct rk_health_spec){.overlap = 0.5, .travel = 0.1, .every = 100};
     return spec;
-}
-
-/* Damping and a time step at the given share of the largest stable one. */
-static void complete(struct rk_scene_spec *spec, double share) {
-    spec->gamma = rk_contact_gamma(&spec->contact, spec->smallest);
-    spec->dt = share * rk_stable_step(spec->accuracy.integrator, &spec->contact, spec->gamma,
-                                      spec->smallest);
-}
-
-static struct rk_scene *scene_of(const struct rk_scene_spec *spec) {
-    struct rk_scene *scene = NULL;
-    struct rk_error err = RK_NO_ERROR;
-    if (rk_scene_create(spec, &scene, &err)) {
-        fail_msg("%s", err.message);
-    }
-    return scene;
-}
-
-static void add_wall(struct rk_scene *scene, double x, double y, double nx, double ny) {
-    struct rk_wall_spec wall = {.point = {x, y}, .normal = {nx, ny}, .friction = true};
-    assert_int_equal(rk_scene_add_wall(scene, &wall, NULL), RK_OK);
-}
-
-static void add_grain(struct rk_scene *scene, struct rk_grain grain) {
-    struct rk_error err = RK_NO_ERROR;
-    if (rk_scene_add_grain(scene, &grain, &err)) {
-        fail_msg("%s", err.message);
-    }
-}
-
-static struct rk_grain grain_of(const struct rk_scene *scene, uint32_t tag) {
-    struct rk_grain grain;
-    assert_int_equal(rk_scene_grain(scene, tag, &grain, NULL), RK_OK);
-    return grain;
-}
-
-/* Every number of a state is a number. */
-static void assert_finite(const struct rk_scene *scene) {
-    for (uint32_t i = 0; i < rk_scene_grains(scene); i++) {
-        struct rk_grain g = grain_of(scene, i);
-        assert_true(isfinite(g.x) && isfinite(g.y) && isfinite(g.vx) && isfinite(g.vy) &&
-                    isfinite(g.angle) && isfinite(g.omega));
-    }
-    struct rk_energy e = rk_scene_energy(scene);
-    assert_true(isfinite(e.kinetic) && isfinite(e.rotational) && isfinite(e.elastic));
 }
 
 /* It either runs or stops, and if it stops it says why and which dt would do. */
 static enum rk_status run(struct rk_scene *scene, uint64_t steps) {
     struct rk_error err = RK_NO_ERROR;
     enum rk_status status = rk_scene_step(scene, steps, &err);
-    assert_finite(scene);
+    kit_assert_finite(scene);
     if (status) {
         assert_int_equal(status, RK_EUNSTABLE);
         assert_non_null(strstr(err.message, "largest stable dt"));
@@ -93,64 +34,36 @@ static enum rk_status run(struct rk_scene *scene, uint64_t steps) {
     return status;
 }
 
-static void must_run(struct rk_scene *scene, uint64_t steps) {
-    struct rk_error err = RK_NO_ERROR;
-    if (rk_scene_step(scene, steps, &err)) {
-        fail_msg("%s", err.message);
-    }
-    assert_finite(scene);
-}
-
-/* A pile at rest: floor and sides carry its weight, to the share that remaining motion allows. */
-static void assert_carried(const struct rk_scene *scene, double share) {
-    double weight = 0, carried = 0;
-    for (uint32_t i = 0; i < rk_scene_grains(scene); i++) {
-        weight += grain_of(scene, i).mass;
-    }
-    for (size_t w = 0; w < rk_scene_walls(scene); w++) {
-        double force[2];
-        rk_scene_wall(scene, w, NULL, NULL, force);
-        carried -= force[1];
-    }
-    if (!(fabs(carried - weight) < share * weight)) {
-        fail_msg("the walls carry %.6g of a weight of %.6g", carried, weight);
-    }
-}
-
 /* ---- Sizes, masses, damping, friction, stiffness ------------------------------------------------
  */
 
-/* A disc of radius ratio R comes down on a bed of small ones in a box: it must come to rest and be
- * carried. The weight of ratio 50 presses the bed by its own 2500 small weights: the stiffness is
- * raised with it so that the overlap stays within a tenth of a radius. */
+/* A disc of radius ratio R comes down on a bed of small ones in a box: it finds a place where the
+ * forces on every grain balance, above the bed, and floor and sides carry all. The weight of ratio
+ * 50 presses the bed by its own 2500 small weights: the stiffness is raised with it so that the
+ * overlap stays within a tenth of a radius. */
 static void size_ratios_of_1_to_50(void **state) {
     (void)state;
     static const double ratios[] = {1, 3, 10, 25, 50};
     for (int k = 0; k < 5; k++) {
-        double big = 0.5 * ratios[k], width = 2 * big + 4;
+        double big = KIT_RADIUS * ratios[k], width = 2 * big + 4;
         size_t across = (size_t)width, small = 2 * across;
         struct rk_scene_spec spec = ordinary(small + 1, 3);
         spec.contact.kn = 1000 * fmax(1, ratios[k] * ratios[k] / 10);
         spec.contact.kt = 0.75 * spec.contact.kn;
-        complete(&spec, 0.2);
-        struct rk_scene *scene = scene_of(&spec);
-        add_wall(scene, 0, 0, 0, 1);
-        add_wall(scene, 0, 0, 1, 0);
-        add_wall(scene, width, 0, -1, 0);
+        kit_complete(&spec, 0.2);
+        struct rk_scene *scene = kit_scene(&spec);
+        kit_add_box(scene, width);
         for (size_t i = 0; i < small; i++) {
-            add_grain(scene, (struct rk_grain){.x = 0.5 + (double)(i % across),
-                                               .y = 0.5 + 1.01 * (double)(i / across),
-                                               .radius = 0.499 - 0.01 * (double)(i % 3),
-                                               .mass = 0.25});
+            struct rk_grain grain =
+                kit_disc(0.5 + (double)(i % across), 0.5 + 1.01 * (double)(i / across), 0, 0);
+            grain.radius = 0.499 - 0.01 * (double)(i % 3);
+            kit_add(scene, grain);
         }
-        add_grain(scene, (struct rk_grain){
-                             .x = width / 2, .y = 2.1 + big, .radius = big, .mass = big * big});
-        for (int rest = 0; rest < 150; rest++) {
-            must_run(scene, (uint64_t)(1 / spec.dt));
-            rk_scene_slow_down(scene, 0.5);
-        }
-        assert_carried(scene, 1e-3);
-        struct rk_grain g = grain_of(scene, (uint32_t)small);
+        kit_add(scene, (struct rk_grain){
+                           .x = width / 2, .y = 2.1 + big, .radius = big, .mass = big * big});
+        kit_settle(scene, 1, 1e-6);
+        kit_assert_carried(scene, 1e-4);
+        struct rk_grain g = kit_grain(scene, (uint32_t)small);
         assert_true(g.y > big - 0.1 && g.x > big - 0.1 && g.x < width - big + 0.1);
         rk_scene_free(scene);
     }
@@ -169,40 +82,34 @@ static void mass_ratios_of_a_thousandth_to_a_million(void **state) {
         spec.gamma = 2 * zeta * sqrt(1000 * m_eff);
         spec.gravity[1] = 0;
         spec.dt = step / w0;
-        struct rk_scene *scene = scene_of(&spec);
-        add_grain(scene, (struct rk_grain){.vx = 0.5, .radius = 0.5, .mass = m1});
-        add_grain(scene, (struct rk_grain){.x = 1 - 1e-13, .vx = -0.5, .radius = 0.5, .mass = m2});
-        must_run(scene, (uint64_t)(6 / step));
+        struct rk_scene *scene = kit_scene(&spec);
+        kit_add(scene, (struct rk_grain){.vx = 0.5, .radius = 0.5, .mass = m1});
+        kit_add(scene, (struct rk_grain){.x = 1 - 1e-13, .vx = -0.5, .radius = 0.5, .mass = m2});
+        kit_step(scene, (uint64_t)(6 / step));
         double centre = 0.5 * (m1 - m2) / (m1 + m2);
         double v1 = centre - e * m2 / (m1 + m2), v2 = centre + e * m1 / (m1 + m2);
-        assert_true(fabs(grain_of(scene, 0).vx - v1) < step * step);
-        assert_true(fabs(grain_of(scene, 1).vx - v2) < step * step);
+        assert_true(fabs(kit_grain(scene, 0).vx - v1) < step * step);
+        assert_true(fabs(kit_grain(scene, 1).vx - v2) < step * step);
         rk_scene_free(scene);
     }
 }
 
 /* Five discs thrown into a narrow box, for extremes of damping and friction: at half the largest
- * stable step they come to rest and are carried. */
+ * stable step they come to rest with all forces in balance and are carried. */
 static void settle_a_few(struct rk_scene_spec spec) {
-    complete(&spec, 0.5);
-    struct rk_scene *scene = scene_of(&spec);
-    add_wall(scene, 0, 0, 0, 1);
-    add_wall(scene, 0, 0, 1, 0);
-    add_wall(scene, 2.3, 0, -1, 0);
+    kit_complete(&spec, 0.5);
+    struct rk_scene *scene = kit_scene(&spec);
+    kit_add_box(scene, 2.3);
     for (int i = 0; i < 5; i++) {
-        add_grain(scene, (struct rk_grain){.x = 0.55 + 1.1 * (i % 2) + 0.03 * i,
-                                           .vx = 0.3,
-                                           .omega = 2 - i,
-                                           .y = 0.501 + 0.9 * i,
-                                           .radius = 0.5 + 0.01 * i,
-                                           .mass = 0.25 + 0.01 * i});
+        kit_add(scene, (struct rk_grain){.x = 0.55 + 1.1 * (i % 2) + 0.03 * i,
+                                         .vx = 0.3,
+                                         .omega = 2 - i,
+                                         .y = 0.501 + 0.9 * i,
+                                         .radius = 0.5 + 0.01 * i,
+                                         .mass = 0.25 + 0.01 * i});
     }
-    uint64_t stretch = (uint64_t)ceil(0.2 / spec.dt);
-    for (int rest = 0; rest < 250; rest++) {
-        must_run(scene, stretch);
-        rk_scene_slow_down(scene, 0.5);
-    }
-    assert_carried(scene, 1e-2);
+    kit_settle(scene, 0.2, 1e-6);
+    kit_assert_carried(scene, 1e-4);
     rk_scene_free(scene);
 }
 
@@ -244,14 +151,13 @@ static void stiffness_over_six_decades(void **state) {
         struct rk_scene_spec spec = ordinary(5, 3);
         spec.contact.kn = pow(10, decade);
         spec.contact.kt = 0.75 * spec.contact.kn;
-        complete(&spec, 0.5);
-        struct rk_scene *scene = scene_of(&spec);
-        add_wall(scene, 0, 0, 0, 1);
+        kit_complete(&spec, 0.5);
+        struct rk_scene *scene = kit_scene(&spec);
+        kit_add_line(scene, 0, 0, 0, 1);
         /* A disc let go just above a floor comes to rest where its spring carries it. */
-        add_grain(scene,
-                  (struct rk_grain){.y = 0.5 + 10 / spec.contact.kn, .radius = 0.5, .mass = 0.25});
-        must_run(scene, 20000);
-        assert_true(fabs(grain_of(scene, 0).y - 0.5 + 0.25 / spec.contact.kn) <
+        kit_add(scene, kit_disc(0, 0.5 + 10 / spec.contact.kn, 0, 0));
+        kit_step(scene, 20000);
+        assert_true(fabs(kit_grain(scene, 0).y - 0.5 + 0.25 / spec.contact.kn) <
                     1e-6 / spec.contact.kn + 1e-15);
         rk_scene_free(scene);
     }
@@ -271,17 +177,12 @@ static void steps_that_are_too_long_are_stopped(void **state) {
                 struct rk_scene_spec spec = ordinary(20, 3);
                 spec.contact.law = rk_law_registry.pieces[law];
                 spec.contact.friction = rk_friction_registry.pieces[f];
-                complete(&spec, shares[k]);
-                struct rk_scene *scene = scene_of(&spec);
-                add_wall(scene, 0, 0, 0, 1);
-                add_wall(scene, 0, 0, 1, 0);
-                add_wall(scene, 5, 0, -1, 0);
+                kit_complete(&spec, shares[k]);
+                struct rk_scene *scene = kit_scene(&spec);
+                kit_add_box(scene, 5);
                 for (int i = 0; i < 20; i++) {
-                    add_grain(scene, (struct rk_grain){.x = 0.5 + 0.999 * (i % 5),
-                                                       .y = 0.5 + 0.999 * (i / 5),
-                                                       .vx = 0.01 * (i % 3),
-                                                       .radius = 0.5,
-                                                       .mass = 0.25});
+                    kit_add(scene, kit_disc(0.5 + 0.999 * (i % 5), 0.5 + 0.999 * (i / 5),
+                                            0.01 * (i % 3), 0));
                 }
                 enum rk_status status = run(scene, 20000);
                 assert_true(shares[k] > 1 || status == RK_OK);
@@ -305,21 +206,19 @@ static void bullets_do_not_tunnel(void **state) {
                 struct rk_scene_spec spec = ordinary(2, 2);
                 spec.gravity[1] = 0;
                 spec.health.every = every[e];
-                complete(&spec, 0.05);
-                struct rk_scene *scene = scene_of(&spec);
-                add_grain(scene,
-                          (struct rk_grain){.x = 0, .vx = speed, .radius = 0.5, .mass = 0.25});
+                kit_complete(&spec, 0.05);
+                struct rk_scene *scene = kit_scene(&spec);
+                kit_add(scene, kit_disc(0, 0, speed, 0));
                 if (wall) {
-                    add_wall(scene, 3, 0, -1, 0);
+                    kit_add_line(scene, 3, 0, -1, 0);
                 } else {
-                    add_grain(scene,
-                              (struct rk_grain){.x = 3, .y = 1e-3, .radius = 0.5, .mass = 0.25});
+                    kit_add(scene, kit_disc(3, 1e-3, 0, 0));
                 }
                 enum rk_status status = RK_OK;
                 for (int n = 0; n < 4000 && status == RK_OK; n++) {
                     status = run(scene, 1);
-                    double x = grain_of(scene, 0).x;
-                    double other = wall ? 3 : grain_of(scene, 1).x;
+                    double x = kit_grain(scene, 0).x;
+                    double other = wall ? 3 : kit_grain(scene, 1).x;
                     assert_true(status != RK_OK || x < other);
                 }
                 stopped += status != RK_OK;
@@ -354,7 +253,7 @@ static void strange_numbers_are_refused(void **state) {
     for (size_t p = 0; p < sizeof places / sizeof *places; p++) {
         for (int k = 0; k < 4; k++) {
             struct rk_scene_spec spec = ordinary(2, 1);
-            complete(&spec, 0.1);
+            kit_complete(&spec, 0.1);
             memcpy((char *)&spec + places[p], &strange[k], sizeof(double));
             struct rk_scene *scene = NULL;
             struct rk_error err = RK_NO_ERROR;
@@ -376,19 +275,18 @@ static void boxes_of_one_cell(void **state) {
         struct rk_scene_spec spec = ordinary(2, 1);
         spec.accuracy.neighbour = rk_neighbour_registry.pieces[method];
         spec.period_x = 2.5; /* twice the reach is 2.4 */
-        complete(&spec, 0.2);
-        struct rk_scene *scene = scene_of(&spec);
-        add_wall(scene, 0, 0, 0, 1);
-        add_grain(scene,
-                  (struct rk_grain){.x = 0.1, .y = 0.5, .vx = -1, .radius = 0.5, .mass = 0.25});
-        add_grain(scene, (struct rk_grain){.x = 1.3, .y = 0.6, .radius = 0.5, .mass = 0.25});
-        must_run(scene, 20000);
-        assert_carried(scene, 1e-2);
+        kit_complete(&spec, 0.2);
+        struct rk_scene *scene = kit_scene(&spec);
+        kit_add_line(scene, 0, 0, 0, 1);
+        kit_add(scene, kit_disc(0.1, 0.5, -1, 0));
+        kit_add(scene, kit_disc(1.3, 0.6, 0, 0));
+        kit_step(scene, 20000);
+        kit_assert_carried(scene, 1e-2);
         rk_scene_free(scene);
         spec.period_x = 2.3;
-        scene = scene_of(&spec);
-        add_grain(scene, (struct rk_grain){.x = 0.1, .y = 0.5, .radius = 0.5, .mass = 0.25});
-        add_grain(scene, (struct rk_grain){.x = 1.3, .y = 0.5, .radius = 0.5, .mass = 0.25});
+        scene = kit_scene(&spec);
+        kit_add(scene, kit_disc(0.1, 0.5, 0, 0));
+        kit_add(scene, kit_disc(1.3, 0.5, 0, 0));
         struct rk_error err = RK_NO_ERROR;
         assert_int_equal(rk_scene_step(scene, 1, &err), RK_EINVALID);
         assert_non_null(strstr(err.message, "too narrow"));
@@ -408,16 +306,15 @@ static void none_one_and_two_grains(void **state) {
         rest /= rk_law_registry.count;
         spec.contact.friction = rk_friction_registry.pieces[rest % rk_friction_registry.count];
         spec.accuracy.neighbour = rk_neighbour_registry.pieces[rest / rk_friction_registry.count];
-        complete(&spec, 0.2);
-        struct rk_scene *scene = scene_of(&spec);
+        kit_complete(&spec, 0.2);
+        struct rk_scene *scene = kit_scene(&spec);
         if (spec.walls) {
-            add_wall(scene, 0, 0, 0, 1);
+            kit_add_line(scene, 0, 0, 0, 1);
         }
         for (size_t i = 0; i < spec.grains; i++) {
-            add_grain(scene, (struct rk_grain){
-                                 .x = 0.9 * (double)i, .y = 0.6, .radius = 0.5, .mass = 0.25});
+            kit_add(scene, kit_disc(0.9 * (double)i, 0.6, 0, 0));
         }
-        must_run(scene, 2000);
+        kit_step(scene, 2000);
         assert_int_equal(rk_scene_steps(scene), 2000);
         assert_int_equal(rk_scene_grains(scene), spec.grains);
         rk_scene_free(scene);
@@ -430,24 +327,24 @@ static void none_one_and_two_grains(void **state) {
  * thousand steps, 1e6 * 2.2e-16 in the worst case that each step rounds the same way. */
 static void rest_for(uint64_t steps) {
     struct rk_scene_spec spec = ordinary(3, 1);
-    complete(&spec, 0.2);
-    struct rk_scene *scene = scene_of(&spec);
-    add_wall(scene, 0, 0, 0, 1);
-    add_grain(scene, (struct rk_grain){.x = 0, .y = 0.5, .radius = 0.5, .mass = 0.25});
-    add_grain(scene, (struct rk_grain){.x = 1.01, .y = 0.5, .radius = 0.5, .mass = 0.25});
-    add_grain(scene, (struct rk_grain){.x = 0.502, .y = 1.37, .radius = 0.5, .mass = 0.25});
-    must_run(scene, 100000);
+    kit_complete(&spec, 0.2);
+    struct rk_scene *scene = kit_scene(&spec);
+    kit_add_line(scene, 0, 0, 0, 1);
+    kit_add(scene, kit_disc(0, 0.5, 0, 0));
+    kit_add(scene, kit_disc(1.01, 0.5, 0, 0));
+    kit_add(scene, kit_disc(0.502, 1.37, 0, 0));
+    kit_step(scene, 100000);
     rk_scene_slow_down(scene, 0);
-    must_run(scene, 100000);
+    kit_step(scene, 100000);
     struct rk_grain before[3];
     for (uint32_t i = 0; i < 3; i++) {
-        before[i] = grain_of(scene, i);
+        before[i] = kit_grain(scene, i);
     }
     struct rk_energy e = rk_scene_energy(scene);
     double heat = e.kinetic + e.rotational;
-    must_run(scene, steps);
+    kit_step(scene, steps);
     for (uint32_t i = 0; i < 3; i++) {
-        struct rk_grain after = grain_of(scene, i);
+        struct rk_grain after = kit_grain(scene, i);
         double drift = hypot(after.x - before[i].x, after.y - before[i].y);
         drift = fmax(drift, 0.5 * fabs(after.angle - before[i].angle));
         if (!(drift < (double)steps * 2.2e-16)) {
@@ -458,7 +355,7 @@ static void rest_for(uint64_t steps) {
     double rounding = 3 * 0.25 * 1e-26; /* v of 1e-13: accelerations round at 1e-16, w0 at 60 */
     assert_true(heat < 1e-15);
     assert_true(e.kinetic + e.rotational <= fmax(heat, rounding));
-    assert_carried(scene, 1e-10);
+    kit_assert_carried(scene, 1e-10);
     rk_scene_free(scene);
 }
 

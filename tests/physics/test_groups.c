@@ -1,6 +1,6 @@
 /* Grains that drives carry: they go where the drive says, act on others as grains do, and are
  * accounted for as walls are. */
-#include "engine/engine.h"
+#include "tests/kit/scene_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -21,7 +21,7 @@ static struct rk_scene_spec spec_of(const char *friction, double dt) {
         .dt = dt,
         .gamma = 5,
         .smallest = mass,
-        .contact = {.friction = rk_registry_find(&rk_friction_registry, friction),
+        .contact = {.friction = kit_piece(&rk_friction_registry, friction),
                     .kn = kn,
                     .kt = kt,
                     .mu = 0.4,
@@ -32,14 +32,8 @@ static struct rk_scene_spec spec_of(const char *friction, double dt) {
     };
 }
 
-static struct rk_scene *scene_of(const struct rk_scene_spec *spec) {
-    struct rk_scene *scene = NULL;
-    assert_int_equal(rk_scene_create(spec, &scene, NULL), RK_OK);
-    return scene;
-}
-
 static struct rk_drive_spec drive_of(const char *name) {
-    return (struct rk_drive_spec){.kind = rk_registry_find(&rk_drive_registry, name),
+    return (struct rk_drive_spec){.kind = kit_piece(&rk_drive_registry, name),
                                   .amplitude = 0.2,
                                   .period = 1,
                                   .phase = 0.7,
@@ -67,19 +61,6 @@ static void add_grain(struct rk_scene *scene, double x, double y, double vx, dou
     assert_int_equal(rk_scene_add_grain(scene, &grain, NULL), RK_OK);
 }
 
-static void step(struct rk_scene *scene, uint64_t steps) {
-    struct rk_error err = RK_NO_ERROR;
-    if (rk_scene_step(scene, steps, &err)) {
-        fail_msg("%s", err.message);
-    }
-}
-
-static struct rk_grain grain_of(const struct rk_scene *scene, uint32_t tag) {
-    struct rk_grain grain;
-    assert_int_equal(rk_scene_grain(scene, tag, &grain, NULL), RK_OK);
-    return grain;
-}
-
 /* A group of one at rest is a nailed grain: a grain that hits it moves with the same bytes. */
 static void a_group_at_rest_is_a_nailed_grain(void **state) {
     (void)state;
@@ -87,7 +68,7 @@ static void a_group_at_rest_is_a_nailed_grain(void **state) {
     for (int grouped = 0; grouped < 2; grouped++) {
         struct rk_scene_spec spec = spec_of("cundall-strack", 1e-4);
         spec.gravity[1] = -1;
-        struct rk_scene *scene = scene_of(&spec);
+        struct rk_scene *scene = kit_scene(&spec);
         const struct rk_group_spec rest = {.friction = true};
         struct rk_grain nailed = {.radius = radius, .mass = mass, .held = true};
         if (grouped) {
@@ -95,8 +76,8 @@ static void a_group_at_rest_is_a_nailed_grain(void **state) {
         }
         assert_int_equal(rk_scene_add_grain(scene, &nailed, NULL), RK_OK);
         add_grain(scene, 0.3, 1.2, -0.5, -1, 0);
-        step(scene, 8000);
-        out[grouped] = grain_of(scene, 1);
+        kit_step(scene, 8000);
+        out[grouped] = kit_grain(scene, 1);
         rk_scene_free(scene);
     }
     assert_true(out[0].omega != 0);
@@ -112,7 +93,7 @@ static void a_group_goes_where_its_drive_says(void **state) {
         struct rk_scene_spec spec = spec_of("cundall-strack", 1e-3);
         spec.period_x = periodic ? 4 : 0;
         spec.groups = 3;
-        struct rk_scene *scene = scene_of(&spec);
+        struct rk_scene *scene = kit_scene(&spec);
         const struct rk_group_spec groups[3] = {{.drive = drive_of("sinusoid")},
                                                 {.drive = drive_of("constant")},
                                                 {.drive = drive_of("rotation"), .pivot = {1, 2}}};
@@ -122,7 +103,7 @@ static void a_group_goes_where_its_drive_says(void **state) {
         for (int k = 0; k < 3; k++) {
             add_grain(scene, 0.5 + k, 3 * k, 9, 9, (size_t)k + 1);
         }
-        step(scene, 12345); /* past renewals of the order, and round the period */
+        kit_step(scene, 12345); /* past renewals of the order, and round the period */
         const double t = 12.345, w = 2 * M_PI;
         const double s = 0.2 * sin(w * t + 0.7), c = 0.2 * w * cos(w * t + 0.7), a = 0.4 * t;
         const double x[3] = {0.5 + 0.6 * s, 1.5 + 0.3 * t, 1 + 1.5 * cos(a) - 4 * sin(a)};
@@ -130,7 +111,7 @@ static void a_group_goes_where_its_drive_says(void **state) {
         const double vx[3] = {0.6 * c, 0.3, -0.4 * (y[2] - 2)};
         const double vy[3] = {0.8 * c, 0.4, 0.4 * (x[2] - 1)};
         for (uint32_t k = 0; k < 3; k++) {
-            struct rk_grain g = grain_of(scene, k);
+            struct rk_grain g = kit_grain(scene, k);
             double turns = periodic ? (g.x - x[k]) / 4 : g.x - x[k];
             assert_true(fabs(turns - (periodic ? round(turns) : 0)) < 1e-13 * 10);
             assert_true(fabs(g.y - y[k]) < 1e-12);
@@ -153,7 +134,7 @@ static void a_driven_collision_is_a_collision(void **state) {
     struct rk_grain out[2];
     for (int moves = 0; moves < 2; moves++) {
         struct rk_scene_spec spec = spec_of("haff-werner", 1e-4);
-        struct rk_scene *scene = scene_of(&spec);
+        struct rk_scene *scene = kit_scene(&spec);
         struct rk_group_spec group = {.friction = true, .drive = drive_of("constant")};
         group.drive.direction[0] = 1;
         group.drive.direction[1] = 0;
@@ -161,8 +142,8 @@ static void a_driven_collision_is_a_collision(void **state) {
         size_t number = add_group(scene, &group);
         add_grain(scene, 0, 0, 0, 0, number);
         add_grain(scene, 1.1, 0.4, moves ? 0 : -1, 0, 0);
-        step(scene, 10000);
-        out[moves] = grain_of(scene, 1);
+        kit_step(scene, 10000);
+        out[moves] = kit_grain(scene, 1);
         rk_scene_free(scene);
     }
     /* 10^4 roundings of numbers near 1, and what a place of 1e-16 is to a force of kn = 1000. */
@@ -178,7 +159,7 @@ static void force_torque_and_work_agree(void **state) {
     (void)state;
     const double dt = 1e-4;
     struct rk_scene_spec spec = spec_of("cundall-strack", dt);
-    struct rk_scene *scene = scene_of(&spec);
+    struct rk_scene *scene = kit_scene(&spec);
     const struct rk_group_spec stirrer = {
         .friction = true, .pivot = {-1, 0}, .drive = drive_of("rotation")};
     size_t group = add_group(scene, &stirrer);
@@ -189,7 +170,7 @@ static void force_torque_and_work_agree(void **state) {
     double sum[2] = {0, 0}, work = 0, before[2] = {0, 0}, torque = 0;
     for (int n = 0; n < 8000; n++) {
         double force[2];
-        step(scene, 1);
+        kit_step(scene, 1);
         rk_scene_group(scene, group, NULL, NULL, force);
         struct rk_wall_turn turn = rk_scene_group_turn(scene, group);
         for (int k = 0; k < 2; k++) {
@@ -199,7 +180,7 @@ static void force_torque_and_work_agree(void **state) {
         work -= 0.5 * dt * 0.4 * (torque + turn.torque);
         torque = turn.torque;
     }
-    struct rk_grain g = grain_of(scene, 4);
+    struct rk_grain g = kit_grain(scene, 4);
     assert_true(fabs(mass * (g.vx - 0.3) + sum[0]) < 1e-12);
     assert_true(fabs(mass * (g.vy + 0.5) + sum[1]) < 1e-12);
     assert_true(g.vy > 0 && fabs(work) > 1e-3);
@@ -215,18 +196,17 @@ static struct rk_ledger driven(const char *drive, const char *friction, double d
     struct rk_scene_spec spec = spec_of(friction, dt);
     spec.gravity[0] = 0.1;
     spec.gravity[1] = -1;
-    struct rk_scene *scene = scene_of(&spec);
+    struct rk_scene *scene = kit_scene(&spec);
     struct rk_group_spec group = {.friction = true, .pivot = {-2, 0.3}, .drive = drive_of(drive)};
     group.drive.every = (uint64_t)llround(0.4 / dt);
-    const struct rk_wall_spec row = {.shape = rk_registry_find(&rk_shape_registry, "segment"),
-                                     .vertices = ends,
-                                     .vertex_count = 2};
+    const struct rk_wall_spec row = {
+        .shape = kit_piece(&rk_shape_registry, "segment"), .vertices = ends, .vertex_count = 2};
     struct rk_grain each = {.radius = 0.4, .mass = 0.3, .group = add_group(scene, &group)};
     assert_int_equal(rk_scene_add_row(scene, &row, 0.7, &each, NULL), RK_OK);
     assert_int_equal(rk_scene_grains(scene), 7);
     add_grain(scene, 1, 1.2, -0.5, -1, 0);
     add_grain(scene, 2.3, 1.3, -2, -0.3, 0);
-    step(scene, (uint64_t)llround(1 / dt));
+    kit_step(scene, (uint64_t)llround(1 / dt));
     struct rk_ledger ledger;
     assert_true(rk_scene_ledger(scene, &ledger));
     double lost = ledger.damping + ledger.friction + ledger.rolling;
@@ -263,7 +243,7 @@ static void a_lid_of_grains_carries_its_load(void **state) {
     (void)state;
     struct rk_scene_spec spec = spec_of("cundall-strack", 1e-4);
     spec.gravity[1] = -1;
-    struct rk_scene *scene = scene_of(&spec);
+    struct rk_scene *scene = kit_scene(&spec);
     const struct rk_wall_spec floor = {.normal = {0, 1}, .friction = true};
     assert_int_equal(rk_scene_add_wall(scene, &floor, NULL), RK_OK);
     struct rk_group_spec lid = {.friction = true, .drive = drive_of("servo")};
@@ -277,12 +257,12 @@ static void a_lid_of_grains_carries_its_load(void **state) {
         add_grain(scene, 1.0 * k, 0.5, 0, 0, 0);
     }
     const double mass_of_lid = 0.7, load = 2, damping = 1, t = 0.2;
-    step(scene, 2000);
+    kit_step(scene, 2000);
     double rate = (load + mass_of_lid) / damping * (1 - exp(-damping / mass_of_lid * t));
     double velocity[2], force[2];
     rk_scene_group(scene, group, NULL, velocity, NULL);
     assert_true(fabs(velocity[1] + rate) < 1e-8); /* second order: (dt damping/mass)^2 */
-    step(scene, 300000);
+    kit_step(scene, 300000);
     rk_scene_group(scene, group, NULL, velocity, force);
     assert_true(fabs(velocity[1]) < 1e-12);
     assert_true(fabs(force[1] - (load + mass_of_lid)) < 1e-10);
@@ -300,15 +280,15 @@ static void a_group_has_friction_or_none(void **state) {
     for (size_t f = 1; f < rk_friction_registry.count; f++) {
         for (int rough = 0; rough < 2; rough++) {
             struct rk_scene_spec spec = spec_of(rk_friction_registry.pieces[f]->name, 1e-4);
-            spec.contact.rolling = rk_registry_find(&rk_rolling_registry, "spring");
+            spec.contact.rolling = kit_piece(&rk_rolling_registry, "spring");
             spec.contact.mu_rolling = 0.1;
-            struct rk_scene *scene = scene_of(&spec);
+            struct rk_scene *scene = kit_scene(&spec);
             const struct rk_group_spec base = {.friction = rough};
             size_t group = add_group(scene, &base);
             add_grain(scene, 0, 0, 0, 0, group);
             add_grain(scene, 0.5, 1.2, 0, -1, 0);
-            step(scene, 10000);
-            struct rk_grain g = grain_of(scene, 1);
+            kit_step(scene, 10000);
+            struct rk_grain g = kit_grain(scene, 1);
             assert_true(g.vy > 0.1 || g.vx > 0.1);
             assert_true(rough ? fabs(g.omega) > 0.1 : g.omega == 0);
             rk_scene_free(scene);
@@ -319,12 +299,11 @@ static void a_group_has_friction_or_none(void **state) {
 static void rows_stand_where_they_should(void **state) {
     (void)state;
     static const double corners[4][2] = {{0, 0}, {3, 0}, {3, 2}, {0, 2}};
-    const struct rk_wall_spec chain = {.shape = rk_registry_find(&rk_shape_registry, "polygon"),
-                                       .vertices = corners,
-                                       .vertex_count = 4};
+    const struct rk_wall_spec chain = {
+        .shape = kit_piece(&rk_shape_registry, "polygon"), .vertices = corners, .vertex_count = 4};
     struct rk_wall_spec box = chain;
     box.closed = true;
-    struct rk_wall_spec arc = {.shape = rk_registry_find(&rk_shape_registry, "arc"),
+    struct rk_wall_spec arc = {.shape = kit_piece(&rk_shape_registry, "arc"),
                                .centre = {1, 2},
                                .radius = 3,
                                .from = 0,
@@ -338,11 +317,11 @@ static void rows_stand_where_they_should(void **state) {
     assert_int_equal(rk_row_count(&box, 0), 0);
     assert_int_equal(rk_row_count(&box, 1e-12), 0);
     struct rk_scene_spec spec = spec_of("none", 1e-4);
-    struct rk_scene *scene = scene_of(&spec);
+    struct rk_scene *scene = kit_scene(&spec);
     const struct rk_grain each = {.radius = 0.2, .mass = 1, .held = true};
     assert_int_equal(rk_scene_add_row(scene, &arc, 0.5, &each, NULL), RK_OK);
     for (uint32_t k = 0; k < 38; k++) {
-        struct rk_grain g = grain_of(scene, k), next = grain_of(scene, (k + 1) % 38);
+        struct rk_grain g = kit_grain(scene, k), next = kit_grain(scene, (k + 1) % 38);
         assert_true(fabs(hypot(g.x - 1, g.y - 2) - 3) < 1e-14);
         assert_true(fabs(hypot(g.x - next.x, g.y - next.y) - 6 * sin(M_PI / 38)) < 1e-14);
     }
@@ -360,7 +339,7 @@ static void a_group_is_not_in_its_own_way(void **state) {
     struct rk_scene_spec spec = spec_of("cundall-strack", 1e-4);
     spec.health.overlap = 0.1;
     spec.gravity[1] = -1;
-    struct rk_scene *scene = scene_of(&spec);
+    struct rk_scene *scene = kit_scene(&spec);
     const struct rk_wall_spec floor = {.normal = {0, 1}, .friction = true};
     const struct rk_group_spec groups[2] = {{.friction = true, .drive = drive_of("rotation")},
                                             {.friction = true}};
@@ -370,7 +349,7 @@ static void a_group_is_not_in_its_own_way(void **state) {
     add_grain(scene, 0.3, 0.1, 0, 0, first);
     add_grain(scene, 0.1, 0.2, 0, 0, second);
     add_grain(scene, 0.1, -3, 0, 0, second); /* behind the wall */
-    step(scene, 5000);
+    kit_step(scene, 5000);
     double force[2];
     rk_scene_group(scene, first, NULL, NULL, force);
     assert_true(force[0] == 0 && force[1] == 0);
@@ -378,7 +357,7 @@ static void a_group_is_not_in_its_own_way(void **state) {
     struct rk_energy energy = rk_scene_energy(scene);
     assert_true(energy.kinetic == 0 && energy.elastic == 0 && energy.gravitational == 0);
     rk_scene_slow_down(scene, 0.5);
-    assert_true(grain_of(scene, 0).omega == 0.4);
+    assert_true(kit_grain(scene, 0).omega == 0.4);
     struct rk_error err = RK_NO_ERROR;
     assert_int_equal(rk_scene_hold(scene, 0, false, &err), RK_EINVALID);
     assert_non_null(strstr(err.message, "carried by group 1"));
@@ -388,7 +367,7 @@ static void a_group_is_not_in_its_own_way(void **state) {
 static void wrong_groups_are_refused(void **state) {
     (void)state;
     struct rk_scene_spec spec = spec_of("cundall-strack", 1e-4);
-    struct rk_scene *scene = scene_of(&spec);
+    struct rk_scene *scene = kit_scene(&spec);
     size_t group;
     struct rk_group_spec bad = {.pivot = {NAN, 0}};
     assert_int_equal(rk_scene_add_group(scene, &bad, &group, NULL), RK_EINVALID);
@@ -407,8 +386,8 @@ static void wrong_groups_are_refused(void **state) {
     assert_int_equal(rk_scene_set_group_drive(scene, 0, &drive, NULL), RK_EINVALID);
     assert_int_equal(rk_scene_set_group_drive(scene, 2, &drive, NULL), RK_EINVALID);
     assert_int_equal(rk_scene_set_group_drive(scene, 1, &drive, NULL), RK_OK);
-    step(scene, 10000);
-    assert_true(fabs(grain_of(scene, 0).x - 0.3) < 1e-14);
+    kit_step(scene, 10000);
+    assert_true(fabs(kit_grain(scene, 0).x - 0.3) < 1e-14);
     rk_scene_free(scene);
     spec.groups = RK_GROUPS_MAX + 1;
     assert_int_equal(rk_scene_create(&spec, &scene, NULL), RK_EINVALID);
@@ -428,7 +407,7 @@ static void a_light_lid_limits_the_step(void **state) {
         struct rk_scene *scene = NULL;
         double limit = 0;
         for (int pass = 0; pass < 2; pass++) {
-            scene = scene_of(&spec);
+            scene = kit_scene(&spec);
             struct rk_group_spec lid = {.drive = drive_of("servo")};
             const struct rk_group_spec nailed = {.friction = true};
             lid.drive.direction[0] = 0;
@@ -443,7 +422,7 @@ static void a_light_lid_limits_the_step(void **state) {
                 add_grain(scene, 3 * i, 0.9999, 0, 0, group);
             }
             if (pass == 0) {
-                step(scene, 1);
+                kit_step(scene, 1);
                 limit = rk_scene_stable_step(scene);
                 spec.dt = limit * (k ? 2 : 0.99);
                 rk_scene_free(scene);
@@ -467,7 +446,7 @@ static void a_light_lid_limits_the_step(void **state) {
 static void the_stiffest_material_limits_the_step(void **state) {
     (void)state;
     struct rk_scene_spec spec = spec_of("cundall-strack", 1e-4);
-    struct rk_scene *scene = scene_of(&spec);
+    struct rk_scene *scene = kit_scene(&spec);
     double before = rk_scene_stable_step(scene);
     assert_true(fabs(before - rk_stable_step(NULL, &spec.contact, spec.gamma, mass)) <
                 1e-12 * before);

@@ -1,6 +1,6 @@
 /* Grains that grow and shrink: radius, mass and inertia by the clock, contacts that come of it in
  * time, and accounts that close. */
-#include "engine/engine.h"
+#include "tests/kit/scene_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -21,8 +21,8 @@ static struct rk_scene_spec spec_of(const char *body, double dt) {
         .dt = dt,
         .gamma = 5,
         .smallest = 0.01,
-        .body = rk_registry_find(&rk_body_registry, body),
-        .contact = {.friction = rk_registry_find(&rk_friction_registry, "cundall-strack"),
+        .body = kit_piece(&rk_body_registry, body),
+        .contact = {.friction = kit_piece(&rk_friction_registry, "cundall-strack"),
                     .kn = kn,
                     .kt = 750,
                     .mu = 0.4,
@@ -53,19 +53,6 @@ static void add(struct rk_scene *scene, struct rk_grain grain) {
     assert_int_equal(rk_scene_add_grain(scene, &grain, NULL), RK_OK);
 }
 
-static void step(struct rk_scene *scene, uint64_t steps) {
-    struct rk_error err = RK_NO_ERROR;
-    if (rk_scene_step(scene, steps, &err)) {
-        fail_msg("%s", err.message);
-    }
-}
-
-static struct rk_grain grain_of(const struct rk_scene *scene, uint32_t tag) {
-    struct rk_grain grain;
-    assert_int_equal(rk_scene_grain(scene, tag, &grain, NULL), RK_OK);
-    return grain;
-}
-
 /* R = R0 + rate t up to the bound; m as R^2 or R^3; velocity and spin stay, so momentum and energy
  * grow with m and m R^2, and the ledger's growth is what came in. */
 static void radius_mass_and_energy_follow_the_clock(void **state) {
@@ -78,11 +65,11 @@ static void radius_mass_and_energy_follow_the_clock(void **state) {
         add(scene, (struct rk_grain){.x = 3, .vy = -0.5, .omega = 1, .growth = 2});
         add(scene, (struct rk_grain){.x = 6});
         for (int n = 1; n <= 5; n++) {
-            step(scene, 1000);
+            kit_step(scene, 1000);
             const double r[3] = {fmin(0.5 + 0.05 * n, 0.6), fmax(0.5 - 0.1 * n, 0.375), 0.5};
             double moving = 0;
             for (uint32_t k = 0; k < 3; k++) {
-                struct rk_grain g = grain_of(scene, k);
+                struct rk_grain g = kit_grain(scene, k);
                 double share = g.radius / radius;
                 double m = mass * (sphere ? share * share * share : share * share);
                 assert_true(fabs(g.radius - r[k]) < 5000 * 1.2e-16);
@@ -90,7 +77,7 @@ static void radius_mass_and_energy_follow_the_clock(void **state) {
                 moving += 0.5 * m * (g.vx * g.vx + g.vy * g.vy) +
                           0.5 * (sphere ? 0.4 : 0.5) * m * g.radius * g.radius * g.omega * g.omega;
             }
-            struct rk_grain first = grain_of(scene, 0);
+            struct rk_grain first = kit_grain(scene, 0);
             assert_true(first.vx == 0.5 && first.omega == 3);
             struct rk_energy energy = rk_scene_energy(scene);
             assert_true(fabs(energy.kinetic + energy.rotational - moving) < 1e-14);
@@ -116,7 +103,7 @@ static void a_growing_grain_pushes_its_walls_apart(void **state) {
         assert_int_equal(rk_scene_add_wall(scene, &walls[w], NULL), RK_OK);
     }
     add(scene, (struct rk_grain){.x = 0, .growth = 1});
-    step(scene, 2000);
+    kit_step(scene, 2000);
     double force[2];
     rk_scene_wall(scene, 1, NULL, NULL, force);
     struct rk_ledger ledger;
@@ -144,15 +131,15 @@ static void growing_grains_are_found_in_time(void **state) {
             add(scene, (struct rk_grain){.x = 1.3 * (k % 3), .y = -1.3 * (k / 3), .growth = 1});
         }
         add(scene, (struct rk_grain){.x = -20, .y = -9, .growth = 1}); /* above the wall */
-        step(scene, 1499);
+        kit_step(scene, 1499);
         assert_int_equal(rk_scene_contacts(scene), 0);
-        step(scene, 3);
+        kit_step(scene, 3);
         assert_int_equal(rk_scene_contacts(scene), 12);
-        step(scene, 2499 - 1502);
+        kit_step(scene, 2499 - 1502);
         double force[2];
         rk_scene_wall(scene, 0, NULL, NULL, force);
         assert_true(force[1] == 0);
-        step(scene, 3);
+        kit_step(scene, 3);
         rk_scene_wall(scene, 0, NULL, NULL, force);
         assert_true(force[1] < 0);
         rk_scene_free(scene);
@@ -181,7 +168,7 @@ static struct rk_ledger collisions(size_t law, size_t body, double dt) {
     add(scene, (struct rk_grain){.x = 1.9, .y = 0.8, .vx = -2, .vy = 0.3, .growth = 2});
     add(scene, (struct rk_grain){.x = 1.4, .y = 1.9, .vx = 0.3, .vy = -1.5, .growth = 1});
     add(scene, (struct rk_grain){.x = 0, .y = 1.2, .group = number, .growth = 1});
-    step(scene, (uint64_t)llround(0.9 / dt));
+    kit_step(scene, (uint64_t)llround(0.9 / dt));
     struct rk_ledger ledger;
     assert_true(rk_scene_ledger(scene, &ledger));
     rk_scene_free(scene);

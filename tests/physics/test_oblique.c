@@ -1,7 +1,7 @@
 /* Oblique collisions of two discs, and of a disc with a wall, against an integration of the same
  * equations (engine/contact.h) that shares nothing with the engine: Runge-Kutta of fourth order
  * with the passages between sticking and sliding located, for every normal law and friction. */
-#include "engine/engine.h"
+#include "tests/kit/scene_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -225,24 +225,19 @@ static struct outcome reference(const struct collision *c, double h, double long
 
 static struct outcome engine(const struct collision *c, double dt, double longest) {
     const double begin = 1e-13; /* an overlap that is there but does not matter */
-    struct rk_scene_spec spec = {
-        .grains = 2,
-        .walls = 1,
-        .dt = dt,
-        .gamma = c->gamma,
-        .smallest = fmin(c->mass[0], c->mass[1]),
-        .contact = {.law = c->law,
-                    .friction = c->friction,
-                    .tension = c->tension,
-                    .kn = c->kn,
-                    .kt = c->kt,
-                    .mu = c->mu,
-                    .gamma_t = c->gamma_t,
-                    .young = c->young,
-                    .loss = c->loss},
-        .accuracy = {.skin = 0.2},
-        .health = {.overlap = 1, .travel = 1, .every = 1000},
-    };
+    struct rk_scene_spec spec = kit_spec(2, 1);
+    spec.dt = dt;
+    spec.gamma = c->gamma;
+    spec.smallest = fmin(c->mass[0], c->mass[1]);
+    spec.contact.law = c->law;
+    spec.contact.friction = c->friction;
+    spec.contact.tension = c->tension;
+    spec.contact.kn = c->kn;
+    spec.contact.kt = c->kt;
+    spec.contact.mu = c->mu;
+    spec.contact.gamma_t = c->gamma_t;
+    spec.contact.young = c->young;
+    spec.contact.loss = c->loss;
     double s[STATES];
     start(c, s);
     struct rk_grain pair[2];
@@ -255,24 +250,18 @@ static struct outcome engine(const struct collision *c, double dt, double longes
                                     .radius = c->radius[i],
                                     .mass = c->mass[i]};
     }
-    struct rk_scene *scene = NULL;
-    struct rk_wall_spec floor = {.normal = {0, 1}, .friction = true};
-    assert_int_equal(rk_scene_create(&spec, &scene, NULL), RK_OK);
+    struct rk_scene *scene = kit_scene(&spec);
     if (c->wall) {
-        assert_int_equal(rk_scene_add_wall(scene, &floor, NULL), RK_OK);
+        kit_add_line(scene, 0, 0, 0, 1);
     }
     for (int i = 0; i < (c->wall ? 1 : 2); i++) {
-        assert_int_equal(rk_scene_add_grain(scene, &pair[i], NULL), RK_OK);
+        kit_add(scene, pair[i]);
     }
-    struct rk_error err = RK_NO_ERROR;
-    if (rk_scene_step(scene, (uint64_t)ceil(longest / dt), &err)) {
-        fail_msg("%s", err.message);
-    }
+    kit_step(scene, (uint64_t)ceil(longest / dt));
     assert_int_equal(rk_scene_contacts(scene), 0); /* they have parted */
     struct outcome o = {{{0}}, {0}};
     for (uint32_t i = 0; i < (c->wall ? 1 : 2); i++) {
-        struct rk_grain g;
-        assert_int_equal(rk_scene_grain(scene, i, &g, NULL), RK_OK);
+        struct rk_grain g = kit_grain(scene, i);
         o.v[i][0] = g.vx;
         o.v[i][1] = g.vy;
         o.omega[i] = g.omega;
@@ -313,7 +302,7 @@ static struct collision typical(const struct rk_piece *law, const struct rk_piec
     return (struct collision){
         .law = law,
         .friction = friction,
-        .tension = rk_registry_find(&rk_tension_registry, "cut"),
+        .tension = kit_piece(&rk_tension_registry, "cut"),
         .kn = 1000,
         .gamma = named(law, "mass-damped") ? 40 : 5,
         .kt = 750,
@@ -397,7 +386,7 @@ static void at_a_wall(struct collision *c) {
 }
 
 static void pulling(struct collision *c) {
-    c->tension = rk_registry_find(&rk_tension_registry, "keep");
+    c->tension = kit_piece(&rk_tension_registry, "keep");
 }
 
 static void equal_discs_collide_as_theory_says(void **state) {

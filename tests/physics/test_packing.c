@@ -1,7 +1,7 @@
 /* Beds and silos at rest: packing fraction, coordination and the load on the floor, with the
  * standard errors of a few seeds. */
 #include "cases/bed.h"
-#include "engine/engine.h"
+#include "tests/kit/scene_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -22,35 +22,27 @@ struct deposit {
 static struct rk_scene *settled(const struct deposit *d, uint64_t seed) {
     const struct rk_grains_spec grains = {.count = d->grains, .spread = d->spread};
     struct rk_settle_spec settle = {.drag = 0.5, .time = 1000, .kinetic = d->kinetic};
-    struct rk_scene_spec spec = {
-        .grains = d->grains,
-        .walls = d->periodic ? 1 : 3,
-        .period_x = d->periodic ? d->width : 0,
-        .gravity = {0, -1},
-        .smallest = rk_grains_smallest_mass(&grains),
-        .contact = {.friction = rk_registry_find(&rk_friction_registry, d->friction),
-                    .kn = 2000,
-                    .kt = 1500,
-                    .mu = 0.5,
-                    .damping = 0.7},
-        .accuracy = {.skin = 0.2},
-        .health = {.overlap = 0.5, .travel = 0.1, .every = 100},
-    };
+    struct rk_scene_spec spec = kit_spec(d->grains, 3);
+    spec.period_x = d->periodic ? d->width : 0;
+    spec.gravity[1] = -1;
+    spec.smallest = rk_grains_smallest_mass(&grains);
+    spec.contact.friction = kit_piece(&rk_friction_registry, d->friction);
+    spec.contact.kn = 2000;
+    spec.contact.kt = 1500;
+    spec.contact.damping = 0.7;
+    spec.health = (struct rk_health_spec){.overlap = 0.5, .travel = 0.1, .every = 100};
     spec.gamma = rk_contact_gamma(&spec.contact, spec.smallest);
     spec.dt = 0.07 * sqrt(0.25 / spec.contact.kn);
-    struct rk_scene *scene = NULL;
+    struct rk_scene *scene = kit_scene(&spec);
+    if (d->periodic) {
+        kit_add_line(scene, 0, 0, 0, 1);
+    } else {
+        kit_add_box(scene, d->width);
+    }
     struct rk_error err = RK_NO_ERROR;
-    const struct rk_wall_spec walls[3] = {
-        {.normal = {0, 1}, .friction = true},
-        {.normal = {1, 0}, .friction = true},
-        {.point = {d->width, 0}, .normal = {-1, 0}, .friction = true}};
     struct rk_stream stream = rk_stream_of(seed, 0, 0, RK_FOR_TESTS, 0);
     struct rk_preparation report = {0};
-    enum rk_status status = rk_scene_create(&spec, &scene, &err);
-    for (size_t w = 0; status == RK_OK && w < spec.walls; w++) {
-        status = rk_scene_add_wall(scene, &walls[w], &err);
-    }
-    status = status ? status : rk_bed_fill(scene, &grains, d->width, d->periodic, &stream, &err);
+    enum rk_status status = rk_bed_fill(scene, &grains, d->width, d->periodic, &stream, &err);
     status = status ? status : rk_bed_settle(scene, &settle, NULL, &report, &err);
     if (status) {
         fail_msg("%s", err.message);
@@ -104,8 +96,7 @@ static void bulk_of(const struct rk_scene *scene, double *low, double *high) {
     double mean = 0;
     size_t n = rk_scene_grains(scene);
     for (uint32_t i = 0; i < n; i++) {
-        struct rk_grain g;
-        rk_scene_grain(scene, i, &g, NULL);
+        struct rk_grain g = kit_grain(scene, i);
         mean += g.y / (double)n;
     }
     *low = 4;
@@ -116,8 +107,7 @@ static double packing_of(const struct rk_scene *scene, double width) {
     double low, high, area = 0;
     bulk_of(scene, &low, &high);
     for (uint32_t i = 0; i < rk_scene_grains(scene); i++) {
-        struct rk_grain g;
-        rk_scene_grain(scene, i, &g, NULL);
+        struct rk_grain g = kit_grain(scene, i);
         area += area_below(g.radius, high - g.y) - area_below(g.radius, low - g.y);
     }
     return area / (width * (high - low));
@@ -154,8 +144,7 @@ static double coordination_of(const struct rk_scene *scene, int least) {
     double low, high, sum = 0, bulk = 0;
     bulk_of(scene, &low, &high);
     for (uint32_t i = 0; i < n; i++) {
-        struct rk_grain g;
-        rk_scene_grain(scene, i, &g, NULL);
+        struct rk_grain g = kit_grain(scene, i);
         if (!gone[i] && g.y > low && g.y < high) {
             sum += count[i];
             bulk++;
@@ -226,7 +215,7 @@ static double misfit(const double *mass, const struct estimate *load, double sat
  * last tenth of the way. */
 static double load_of_sinking_floor(struct rk_scene *scene) {
     enum { SAMPLES = 50 };
-    const struct rk_drive_spec drive = {.kind = rk_registry_find(&rk_drive_registry, "sinusoid"),
+    const struct rk_drive_spec drive = {.kind = kit_piece(&rk_drive_registry, "sinusoid"),
                                         .amplitude = 0.33,
                                         .period = 80,
                                         .direction = {0, -1}};
@@ -260,8 +249,7 @@ static void a_silos_floor_does_not_feel_what_is_high_above(void **state) {
             struct rk_scene *scene = settled(&d, s + 1);
             double total = 0;
             for (uint32_t i = 0; i < d.grains; i++) {
-                struct rk_grain g;
-                rk_scene_grain(scene, i, &g, NULL);
+                struct rk_grain g = kit_grain(scene, i);
                 total += g.mass / SEEDS;
             }
             mass[f] += total;

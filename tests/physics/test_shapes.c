@@ -1,5 +1,5 @@
 /* Segments, arcs and polygons, and the drives that turn, carry a load or press. */
-#include "engine/engine.h"
+#include "tests/kit/scene_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -9,53 +9,30 @@
 
 #include <cmocka.h>
 
-static const double kn = 1000, kt = 750, mass = 0.25, radius = 0.5;
+static const double kn = 1000, mass = KIT_MASS, radius = KIT_RADIUS;
 
 static struct rk_scene_spec spec_of(const char *friction, double gamma, double dt) {
-    return (struct rk_scene_spec){
-        .grains = 1,
-        .walls = 2,
-        .dt = dt,
-        .gamma = gamma,
-        .smallest = mass,
-        .contact = {.friction = rk_registry_find(&rk_friction_registry, friction),
-                    .tension = rk_registry_find(&rk_tension_registry, "cut"),
-                    .kn = kn,
-                    .kt = kt,
-                    .mu = 0.5},
-        .accuracy = {.skin = 0.2},
-        .health = {.overlap = 1, .travel = 1, .every = 1000},
-    };
+    struct rk_scene_spec spec = kit_spec(1, 2);
+    spec.dt = dt;
+    spec.gamma = gamma;
+    spec.contact.friction = kit_piece(&rk_friction_registry, friction);
+    return spec;
 }
 
 static const struct rk_piece *shape(const char *name) {
-    return rk_registry_find(&rk_shape_registry, name);
+    return kit_piece(&rk_shape_registry, name);
 }
 
 static const struct rk_piece *drive(const char *name) {
-    return rk_registry_find(&rk_drive_registry, name);
+    return kit_piece(&rk_drive_registry, name);
 }
 
 static struct rk_scene *scene_of(const struct rk_scene_spec *spec, const struct rk_wall_spec *wall,
                                  const struct rk_grain *grain) {
-    struct rk_scene *scene = NULL;
-    assert_int_equal(rk_scene_create(spec, &scene, NULL), RK_OK);
-    assert_int_equal(rk_scene_add_wall(scene, wall, NULL), RK_OK);
-    assert_int_equal(rk_scene_add_grain(scene, grain, NULL), RK_OK);
+    struct rk_scene *scene = kit_scene(spec);
+    kit_add_wall(scene, wall);
+    kit_add(scene, *grain);
     return scene;
-}
-
-static void step(struct rk_scene *scene, uint64_t steps) {
-    struct rk_error err = RK_NO_ERROR;
-    if (rk_scene_step(scene, steps, &err)) {
-        fail_msg("%s", err.message);
-    }
-}
-
-static struct rk_grain first_grain(const struct rk_scene *scene) {
-    struct rk_grain grain;
-    assert_int_equal(rk_scene_grain(scene, 0, &grain, NULL), RK_OK);
-    return grain;
 }
 
 /* ---- Joints -----------------------------------------------------------------------------------
@@ -89,8 +66,8 @@ static void straight_joints_are_not_felt(void **state) {
                                 .mass = mass};
         struct rk_scene *scene = scene_of(&spec, &chain, &disc);
         for (int n = 0; n < 5700; n++) {
-            step(scene, 1);
-            struct rk_grain g = first_grain(scene);
+            kit_step(scene, 1);
+            struct rk_grain g = kit_grain(scene, 0);
             assert_int_equal(rk_scene_contacts(scene), 1);
             assert_true(fabs(g.vx * c + g.vy * s - 1) < 1e-11);
             assert_true(fabs(g.vy * c - g.vx * s) < 1e-11);
@@ -122,13 +99,13 @@ static void a_rolling_disc_takes_its_spring_along(void **state) {
     struct rk_scene *chain = scene_of(&spec, &walls[0], &disc);
     struct rk_scene *line = scene_of(&spec, &walls[1], &disc);
     for (int n = 0; n < 4500; n++) {
-        step(chain, 1);
-        step(line, 1);
-        struct rk_grain a = first_grain(chain), b = first_grain(line);
+        kit_step(chain, 1);
+        kit_step(line, 1);
+        struct rk_grain a = kit_grain(chain, 0), b = kit_grain(line, 0);
         assert_int_equal(rk_scene_contacts(chain), 1);
         assert_true(fabs(a.omega - b.omega) < 1e-10 && fabs(a.vx - b.vx) < 1e-10);
     }
-    assert_true(first_grain(chain).x > 2); /* over a few joints it went */
+    assert_true(kit_grain(chain, 0).x > 2); /* over a few joints it went */
     rk_scene_free(chain);
     rk_scene_free(line);
 }
@@ -138,7 +115,7 @@ static size_t contacts_at(const struct rk_wall_spec *wall, double x, double y) {
     struct rk_scene_spec spec = spec_of("none", 0, 1e-9);
     struct rk_grain disc = {.x = x, .y = y, .radius = radius, .mass = mass};
     struct rk_scene *scene = scene_of(&spec, wall, &disc);
-    step(scene, 1);
+    kit_step(scene, 1);
     size_t contacts = rk_scene_contacts(scene);
     rk_scene_free(scene);
     return contacts;
@@ -218,7 +195,7 @@ static void a_convex_corner_is_rolled_over(void **state) {
     start.elastic = 0.5 * mass * mass / kn;
     double before = start.kinetic + start.elastic + start.gravitational, last = -mass;
     for (int n = 0; n < 15000; n++) {
-        step(scene, 1);
+        kit_step(scene, 1);
         struct rk_energy now = rk_scene_energy(scene);
         double force[2];
         rk_scene_wall(scene, 0, NULL, NULL, force);
@@ -227,7 +204,7 @@ static void a_convex_corner_is_rolled_over(void **state) {
         assert_true(fabs(force[1] - last) < 0.02 * mass); /* a jump would be of order m g */
         last = force[1];
     }
-    assert_true(first_grain(scene).x > 0.2); /* the vertex is left behind at 0.12 */
+    assert_true(kit_grain(scene, 0).x > 0.2); /* the vertex is left behind at 0.12 */
     rk_scene_free(scene);
 }
 
@@ -247,8 +224,8 @@ static void a_slope_gives_g_sine(void **state) {
     struct rk_grain disc = {
         .x = 0.5 * c - height * s, .y = 0.5 * s + height * c, .radius = radius, .mass = mass};
     struct rk_scene *scene = scene_of(&spec, &slope, &disc);
-    step(scene, 3000);
-    struct rk_grain g = first_grain(scene);
+    kit_step(scene, 3000);
+    struct rk_grain g = kit_grain(scene, 0);
     double t = rk_scene_time(scene), far = (g.x - disc.x) * c + (g.y - disc.y) * s;
     assert_true(fabs(g.vx * c + g.vy * s + s * t) < 1e-11);
     assert_true(fabs(far + 0.5 * s * t * t) < 1e-11);
@@ -275,8 +252,8 @@ static void a_bowl_is_a_pendulum(void **state) {
         struct rk_scene *scene = scene_of(&spec, &wall, &disc);
         double first = 0, last = 0, before = a, swings = 0;
         while (swings < 7) {
-            step(scene, 1);
-            double x = first_grain(scene).x - 1, t = rk_scene_time(scene);
+            kit_step(scene, 1);
+            double x = kit_grain(scene, 0).x - 1, t = rk_scene_time(scene);
             if ((x > 0) != (before > 0)) {
                 last = t - dt * x / (x - before);
                 first = swings == 0 ? last : first;
@@ -314,10 +291,10 @@ static void a_turning_drum_spins_its_disc(void **state) {
     struct rk_grain disc = {
         .x = 2, .y = 1 - drum + radius - mass / kn, .radius = radius, .mass = mass};
     struct rk_scene *scene = scene_of(&spec, &wall, &disc);
-    step(scene, 10);
+    kit_step(scene, 10);
     assert_true(rk_scene_wall_turn(scene, 0).torque < -1e-4); /* the disc resists */
-    step(scene, 200000);
-    struct rk_grain g = first_grain(scene);
+    kit_step(scene, 200000);
+    struct rk_grain g = kit_grain(scene, 0);
     struct rk_wall_turn turn = rk_scene_wall_turn(scene, 0);
     assert_true(fabs(turn.angle - spin * rk_scene_time(scene)) < 1e-9 && turn.velocity == spin);
     /* Rolling: surfaces go together, v_x + R omega = spin Rb at the bottom. */
@@ -346,7 +323,7 @@ static void torque_and_work_agree(void **state) {
     double work = 0;
     for (int n = 0; n < 10000; n++) {
         double before = -0.5 * rk_scene_wall_turn(scene, 0).torque;
-        step(scene, 1);
+        kit_step(scene, 1);
         work += 0.5e-4 * (before - 0.5 * rk_scene_wall_turn(scene, 0).torque);
     }
     struct rk_ledger ledger;
@@ -389,10 +366,10 @@ static void a_wall_from_afar_hits(void **state) {
             struct rk_scene *scene = scene_of(&spec, &wall, &disc);
             disc.x = 50; /* and one that keeps still */
             disc.y = 90;
-            assert_int_equal(rk_scene_add_grain(scene, &disc, NULL), RK_OK);
+            kit_add(scene, disc);
             size_t hits = 0;
             for (int n = 0; n < 5000 && hits == 0; n++) {
-                step(scene, 1);
+                kit_step(scene, 1);
                 hits = rk_scene_contacts(scene);
             }
             if (hits != 1 || rk_scene_strain(scene).overlap > 0.02) {
@@ -419,8 +396,8 @@ static void a_lid_at_rest_carries_its_load(void **state) {
     spec.gravity[1] = -1;
     struct rk_grain disc = {.y = radius, .radius = radius, .mass = mass};
     struct rk_scene *scene = scene_of(&spec, &floor, &disc);
-    assert_int_equal(rk_scene_add_wall(scene, &lid, NULL), RK_OK);
-    step(scene, 20000);
+    kit_add_wall(scene, &lid);
+    kit_step(scene, 20000);
     double force[2], at[2], velocity[2];
     rk_scene_wall(scene, 1, at, velocity, force);
     assert_true(fabs(force[1] - (load + lid_mass)) < 1e-10);
@@ -446,12 +423,12 @@ static void a_free_lid_obeys_newton(void **state) {
     struct rk_grain disc = {.y = 0, .radius = radius, .mass = mass, .held = true};
     struct rk_scene *scene = scene_of(&spec, &lid, &disc);
     double at[2], velocity[2];
-    step(scene, 2000);
+    kit_step(scene, 2000);
     rk_scene_wall(scene, 0, at, velocity, NULL);
     assert_true(fabs(at[1] + 0.5 * 1.5 * 4) < 1e-11 && fabs(velocity[1] + 1.5 * 2) < 1e-11);
     lid.drive.damping = 2; /* v = (load + m g)/damping (1 - exp(-t)) */
     assert_int_equal(rk_scene_set_drive(scene, 0, &lid.drive, NULL), RK_OK);
-    step(scene, 6000);
+    kit_step(scene, 6000);
     rk_scene_wall(scene, 0, at, velocity, NULL);
     assert_true(fabs(velocity[1] + 1.5 + 1.5 * exp(-6)) < 1e-5);
     rk_scene_free(scene);
@@ -473,13 +450,13 @@ static void a_press_waits_for_rest(void **state) {
     struct rk_scene_spec spec = spec_of("none", 2, 1e-3);
     struct rk_grain disc = {.y = radius, .radius = radius, .mass = mass};
     struct rk_scene *scene = scene_of(&spec, &floor, &disc);
-    assert_int_equal(rk_scene_add_wall(scene, &lid, NULL), RK_OK);
+    kit_add_wall(scene, &lid);
     int strides = 0, rests = 0;
     double last = 0;
     for (int n = 0; n < 20; n++) {
         struct rk_energy energy = rk_scene_energy(scene);
         double at[2];
-        step(scene, 500);
+        kit_step(scene, 500);
         rk_scene_wall(scene, 1, at, NULL, NULL);
         double went = last - at[1];
         assert_true(fabs(went - (energy.kinetic < 1e-10 ? 0.01 : 0)) < 1e-12);
@@ -513,18 +490,17 @@ static void an_hour_glass_runs_and_does_not_leak(void **state) {
     spec.gravity[1] = -1;
     spec.smallest = 0.1;
     spec.health.overlap = 0.3;
-    struct rk_scene *scene = NULL;
-    assert_int_equal(rk_scene_create(&spec, &scene, NULL), RK_OK);
-    assert_int_equal(rk_scene_add_wall(scene, &wall, NULL), RK_OK);
+    struct rk_scene *scene = kit_scene(&spec);
+    kit_add_wall(scene, &wall);
     for (int i = 0; i < GRAINS; i++) {
         double r = 0.33 + 0.01 * (i % 5);
         struct rk_grain grain = {
             .x = -7.2 + 0.8 * (i % 19), .y = 9.5 + 0.8 * (i / 19), .radius = r, .mass = r * r};
-        assert_int_equal(rk_scene_add_grain(scene, &grain, NULL), RK_OK);
+        kit_add(scene, grain);
     }
     size_t count = rk_scene_grains(scene), below = 0;
     for (int n = 0; n < 80 && below < count; n++) {
-        step(scene, 1000);
+        kit_step(scene, 1000);
         below = 0;
         for (uint32_t i = 0; i < count; i++) {
             struct rk_grain g;
@@ -558,8 +534,7 @@ static void a_leak_is_noticed(void **state) {
             rk_scene_free(scene);
         }
     }
-    struct rk_scene *scene = NULL;
-    assert_int_equal(rk_scene_create(&spec, &scene, NULL), RK_OK);
+    struct rk_scene *scene = kit_scene(&spec);
     struct rk_wall_spec open = {
         .shape = shape("polygon"), .vertices = box, .vertex_count = 4, .encloses = true};
     assert_int_equal(rk_scene_add_wall(scene, &open, NULL), RK_EINVALID);
@@ -591,8 +566,7 @@ static void wrong_walls_are_refused(void **state) {
         {.normal = {0, 1}, .drive = mad},
     };
     struct rk_scene_spec spec = spec_of("none", 0, 1e-3);
-    struct rk_scene *scene = NULL;
-    assert_int_equal(rk_scene_create(&spec, &scene, NULL), RK_OK);
+    struct rk_scene *scene = kit_scene(&spec);
     for (size_t b = 0; b < sizeof bad / sizeof *bad; b++) {
         struct rk_error err = RK_NO_ERROR;
         assert_int_equal(rk_scene_add_wall(scene, &bad[b], &err), RK_EINVALID);
@@ -613,8 +587,8 @@ static void periodic_walls_meet_the_nearest_image(void **state) {
         struct rk_wall_spec wall = {.shape = shape("segment"), .vertices = post, .vertex_count = 2};
         struct rk_grain disc = {.x = 5 + 3.2 * side, .vx = side, .radius = radius, .mass = mass};
         struct rk_scene *scene = scene_of(&spec, &wall, &disc);
-        step(scene, 25000);
-        assert_true(fabs(first_grain(scene).vx + side) < 1e-4);
+        kit_step(scene, 25000);
+        assert_true(fabs(kit_grain(scene, 0).vx + side) < 1e-4);
         rk_scene_free(scene);
     }
     struct rk_wall_spec wide = {.shape = shape("segment"), .vertices = beam, .vertex_count = 2};

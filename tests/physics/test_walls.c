@@ -1,5 +1,5 @@
 /* One grain and one wall: the wall obeys the pair's law. */
-#include "engine/engine.h"
+#include "tests/kit/scene_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -9,39 +9,23 @@
 
 #include <cmocka.h>
 
-static const double kn = 1000, kt = 750, mass = 0.25, radius = 0.5;
+static const double kn = 1000, kt = 750, mass = KIT_MASS, radius = KIT_RADIUS;
 
 static struct rk_scene_spec spec_of(const char *friction, double gamma, double mu, double dt) {
-    return (struct rk_scene_spec){
-        .grains = 2,
-        .walls = 1,
-        .dt = dt,
-        .gamma = gamma,
-        .smallest = mass,
-        .contact = {.friction = rk_registry_find(&rk_friction_registry, friction),
-                    .tension = rk_registry_find(&rk_tension_registry, "cut"),
-                    .kn = kn,
-                    .kt = kt,
-                    .mu = mu},
-        .accuracy = {.skin = 0.2},
-        .health = {.overlap = 1, .travel = 1, .every = 1000},
-    };
+    struct rk_scene_spec spec = kit_spec(2, 1);
+    spec.dt = dt;
+    spec.gamma = gamma;
+    spec.contact.friction = kit_piece(&rk_friction_registry, friction);
+    spec.contact.mu = mu;
+    return spec;
 }
 
 static struct rk_scene *scene_of(const struct rk_scene_spec *spec, bool rough,
-                                 const struct rk_grain *grain) {
-    struct rk_scene *scene = NULL;
-    const struct rk_wall_spec floor = {.normal = {0, 1}, .friction = rough};
-    assert_int_equal(rk_scene_create(spec, &scene, NULL), RK_OK);
-    assert_int_equal(rk_scene_add_wall(scene, &floor, NULL), RK_OK);
-    assert_int_equal(rk_scene_add_grain(scene, grain, NULL), RK_OK);
+                                 struct rk_grain grain) {
+    struct rk_scene *scene = kit_scene(spec);
+    kit_add_wall(scene, &(struct rk_wall_spec){.normal = {0, 1}, .friction = rough});
+    kit_add(scene, grain);
     return scene;
-}
-
-static struct rk_grain first_grain(const struct rk_scene *scene) {
-    struct rk_grain grain;
-    assert_int_equal(rk_scene_grain(scene, 0, &grain, NULL), RK_OK);
-    return grain;
 }
 
 /* A wall is a partner of infinite mass: m_eff = m in zeta and w0. The error of a collision is of
@@ -55,9 +39,9 @@ static void a_wall_restores_like_a_heavy_disc(void **state) {
         double exact = exp(-2 * zeta / w * atan(w / zeta));
         struct rk_scene_spec spec = spec_of("none", 2 * zeta * sqrt(kn * mass), 0, step / w0);
         struct rk_grain ball = {.y = radius - 1e-13, .vy = -1, .radius = radius, .mass = mass};
-        struct rk_scene *scene = scene_of(&spec, false, &ball);
-        assert_int_equal(rk_scene_step(scene, (uint64_t)(12 / step), NULL), RK_OK);
-        assert_true(fabs(first_grain(scene).vy - exact) < step * step);
+        struct rk_scene *scene = scene_of(&spec, false, ball);
+        kit_step(scene, (uint64_t)(12 / step));
+        assert_true(fabs(kit_grain(scene, 0).vy - exact) < step * step);
         rk_scene_free(scene);
     }
 }
@@ -73,12 +57,12 @@ static void a_sliding_disc_ends_up_rolling(void **state) {
     spec.gravity[1] = -1;
     struct rk_grain disc = {
         .y = radius - mass / kn, .vx = u0, .radius = radius, .mass = mass}; /* at equilibrium */
-    struct rk_scene *scene = scene_of(&spec, true, &disc);
+    struct rk_scene *scene = scene_of(&spec, true, disc);
     const double inertia = 0.5 * mass * radius * radius, before = mass * radius * u0;
     const double ringing = mu * mass / sqrt(kt * mass / 3) / 3;
     for (int tenth = 1; tenth <= 30; tenth++) {
-        assert_int_equal(rk_scene_step(scene, (uint64_t)(0.1 * sliding / dt), NULL), RK_OK);
-        struct rk_grain g = first_grain(scene);
+        kit_step(scene, (uint64_t)(0.1 * sliding / dt));
+        struct rk_grain g = kit_grain(scene, 0);
         double t = rk_scene_time(scene);
         assert_true(fabs(mass * radius * g.vx - inertia * g.omega - before) < 2e4 * 4 * 1.2e-16);
         /* While sliding v = u0 - mu g t, but for the moment the spring takes to reach its cap. */
@@ -95,9 +79,9 @@ static void a_smooth_wall_does_not_rub(void **state) {
     struct rk_scene_spec spec = spec_of("cundall-strack", 5, 0.5, 1e-4);
     spec.gravity[1] = -1;
     struct rk_grain disc = {.y = radius, .vx = 1, .radius = radius, .mass = mass};
-    struct rk_scene *scene = scene_of(&spec, false, &disc);
-    assert_int_equal(rk_scene_step(scene, 20000, NULL), RK_OK);
-    struct rk_grain g = first_grain(scene);
+    struct rk_scene *scene = scene_of(&spec, false, disc);
+    kit_step(scene, 20000);
+    struct rk_grain g = kit_grain(scene, 0);
     assert_true(g.vx == 1 && g.omega == 0);
     rk_scene_free(scene);
 }
@@ -109,17 +93,17 @@ static void a_moving_plate_carries_its_load(void **state) {
     struct rk_scene_spec spec = spec_of("none", 10, 0, 1e-4);
     spec.gravity[1] = -1;
     struct rk_grain disc = {.y = radius - mass / kn, .radius = radius, .mass = mass};
-    struct rk_scene *scene = scene_of(&spec, false, &disc);
-    struct rk_drive_spec drive = {.kind = rk_registry_find(&rk_drive_registry, "sinusoid"),
+    struct rk_scene *scene = scene_of(&spec, false, disc);
+    struct rk_drive_spec drive = {.kind = kit_piece(&rk_drive_registry, "sinusoid"),
                                   .amplitude = gamma_drive / (w * w),
                                   .period = period,
                                   .direction = {0, 1}};
     assert_int_equal(rk_scene_set_drive(scene, 0, &drive, NULL), RK_OK);
     /* The grain follows through a spring and dashpot of w0 = 63, zeta = 0.32: after 10 time units
      * the start is forgotten (exp(-200)) and it follows to relative order (w/w0)^2 = 6e-4. */
-    assert_int_equal(rk_scene_step(scene, 100000, NULL), RK_OK);
+    kit_step(scene, 100000);
     for (int k = 0; k < 40; k++) {
-        assert_int_equal(rk_scene_step(scene, 1000, NULL), RK_OK);
+        kit_step(scene, 1000);
         double force[2], at[2];
         rk_scene_wall(scene, 0, at, NULL, force);
         double expected = -mass * (1 - w * w * at[1]);

@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "base/random.h"
 #include "cases/bne/bne.h"
+#include "tests/kit/scene_kit.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -28,7 +29,7 @@ enum { ROW = 14 }; /* its grains */
 
 /* Numbers that fit every drive. */
 static struct rk_drive_spec drive_of(const char *name) {
-    struct rk_drive_spec drive = {.kind = rk_registry_find(&rk_drive_registry, name),
+    struct rk_drive_spec drive = {.kind = kit_piece(&rk_drive_registry, name),
                                   .amplitude = 0.2,
                                   .period = 1.5,
                                   .direction = {-0.6, 0.8},
@@ -40,7 +41,6 @@ static struct rk_drive_spec drive_of(const char *name) {
                                   .stride = 0.03,
                                   .threshold = 0.5,
                                   .every = 100};
-    assert_non_null(drive.kind);
     return drive;
 }
 
@@ -51,7 +51,7 @@ static void add_guest(struct rk_scene *scene, const struct recipe *r) {
         {6.625, 1.625}, {12.875, 1.625}, {12.875, 2.875}, {6.625, 2.875}};
     bool polygon = strcmp(r->shape, "polygon") == 0;
     struct rk_wall_spec guest = {
-        .shape = rk_registry_find(&rk_shape_registry, r->shape),
+        .shape = kit_piece(&rk_shape_registry, r->shape),
         .point = {0, -0.4},
         .normal = {0, 1},
         .vertices = vertices,
@@ -65,48 +65,36 @@ static void add_guest(struct rk_scene *scene, const struct recipe *r) {
         .friction = true,
         .drive = drive_of(r->drive),
     };
-    assert_non_null(guest.shape);
-    assert_int_equal(rk_scene_add_wall(scene, &guest, NULL), RK_OK);
+    kit_add_wall(scene, &guest);
 }
 
 static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
-    struct rk_scene_spec spec = {
-        .grains = grains + (r->group ? ROW : 0),
-        .walls = 4,
-        .groups = 2,
-        .period_x = r->periodic ? 30 : 0,
-        .gravity = {0.05, -1},
-        .body = r->body ? rk_registry_find(&rk_body_registry, r->body) : NULL,
-        .dt = 5e-4,
-        .gamma = 10,
-        .smallest = 0.2,
-        .contact = {.law = rk_registry_find(&rk_law_registry, r->law),
-                    .rolling = rk_registry_find(&rk_rolling_registry, r->rolling),
-                    .friction = rk_registry_find(&rk_friction_registry, r->friction),
-                    .tension = rk_registry_find(&rk_tension_registry, r->tension),
-                    .kn = 1000,
-                    .kt = 750,
-                    .mu = 0.5,
-                    .gamma_t = 5,
-                    .mu_rolling = 0.1,
-                    .young = 2e4,
-                    .loss = 0.002},
-        .accuracy = {.integrator = r->integrator
-                                       ? rk_registry_find(&rk_integrator_registry, r->integrator)
-                                       : NULL,
-                     .neighbour = rk_registry_find(&rk_neighbour_registry, r->neighbours),
-                     .skin = r->skin},
-        .health = {.overlap = 0.9, .travel = 0.5, .every = 100},
-        .ledger = r->ledger,
-        .threads = r->threads,
-        .kernel = r->kernel ? rk_registry_find(&rk_kernel_registry, r->kernel) : NULL,
-    };
+    struct rk_scene_spec spec = kit_spec(grains + (r->group ? ROW : 0), 4);
+    spec.groups = 2;
+    spec.body = r->body ? kit_piece(&rk_body_registry, r->body) : NULL;
+    spec.period_x = r->periodic ? 30 : 0;
+    spec.gravity[0] = 0.05;
+    spec.gravity[1] = -1;
+    spec.dt = 5e-4;
+    spec.gamma = 10;
+    spec.smallest = 0.2;
+    spec.contact.law = kit_piece(&rk_law_registry, r->law);
+    spec.contact.friction = kit_piece(&rk_friction_registry, r->friction);
+    spec.contact.rolling = kit_piece(&rk_rolling_registry, r->rolling);
+    spec.contact.tension = kit_piece(&rk_tension_registry, r->tension);
+    spec.accuracy.integrator =
+        r->integrator ? kit_piece(&rk_integrator_registry, r->integrator) : NULL;
+    spec.accuracy.neighbour = kit_piece(&rk_neighbour_registry, r->neighbours);
+    spec.accuracy.skin = r->skin;
+    spec.health = (struct rk_health_spec){.overlap = 0.9, .travel = 0.5, .every = 100};
+    spec.ledger = r->ledger;
+    spec.threads = r->threads;
+    spec.kernel = r->kernel ? kit_piece(&rk_kernel_registry, r->kernel) : NULL;
     if (r->gravity) {
-        spec.pull =
-            (struct rk_gravity_spec){.kind = rk_registry_find(&rk_gravity_registry, r->gravity),
-                                     .first = {0.05, -1},
-                                     .then = {-0.2, -0.8},
-                                     .when = 1.1};
+        spec.pull = (struct rk_gravity_spec){.kind = kit_piece(&rk_gravity_registry, r->gravity),
+                                             .first = {0.05, -1},
+                                             .then = {-0.2, -0.8},
+                                             .when = 1.1};
     }
     struct rk_scene *scene = NULL;
     struct rk_error err = RK_NO_ERROR;
@@ -118,7 +106,7 @@ static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
         struct rk_material soft = {500, 5, 300, 0.2, 2, 0.05, 1e4, 0.004};
         assert_int_equal(rk_scene_add_material(scene, &soft, &other, &err), RK_OK);
     }
-    struct rk_drive_spec drive = {.kind = rk_registry_find(&rk_drive_registry, "sinusoid"),
+    struct rk_drive_spec drive = {.kind = kit_piece(&rk_drive_registry, "sinusoid"),
                                   .amplitude = 0.3,
                                   .period = 2,
                                   .phase = 0.4,
@@ -128,7 +116,7 @@ static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
         {.normal = {1, 0}, .friction = false, .drive = drive},
         {.point = {30, 0}, .normal = {-1, 0}, .friction = true, .drive = drive}};
     for (int w = 0; w < (r->periodic ? 1 : 3); w++) {
-        assert_int_equal(rk_scene_add_wall(scene, &walls[w], &err), RK_OK);
+        kit_add_wall(scene, &walls[w]);
     }
     if (r->shape) {
         add_guest(scene, r);
@@ -169,31 +157,13 @@ static void drop_grains(struct rk_scene *scene, const struct recipe *r, size_t g
             .material = r->mixed && i % 3 == 0,
             .growth = r->group && !big ? i % 3 : 0, /* some grow, some shrink */
         };
-        assert_int_equal(rk_scene_add_grain(scene, &grain, NULL), RK_OK);
+        kit_add(scene, grain);
     }
     for (int k = 0; r->group && k < ROW; k++) { /* below the lattice */
-        struct rk_grain one = {.x = 3.5 + 1.25 * k,
-                               .y = 1,
-                               .radius = 0.5,
-                               .mass = 0.25,
-                               .growth = k == 5 ? 1 : 0,
-                               .group = k == 3 ? 1 : 2};
-        assert_int_equal(rk_scene_add_grain(scene, &one, NULL), RK_OK);
-    }
-}
-
-static void *packed(const struct rk_scene *scene, size_t *size) {
-    *size = rk_scene_packed_size(scene);
-    void *block = rk_array_create(*size, 1);
-    assert_non_null(block);
-    rk_scene_pack(scene, block);
-    return block;
-}
-
-static void step(struct rk_scene *scene, uint64_t steps) {
-    struct rk_error err = RK_NO_ERROR;
-    if (rk_scene_step(scene, steps, &err)) {
-        fail_msg("%s", err.message);
+        struct rk_grain one = kit_disc(3.5 + 1.25 * k, 1, 0, 0);
+        one.growth = k == 5 ? 1 : 0;
+        one.group = k == 3 ? 1 : 2;
+        kit_add(scene, one);
     }
 }
 
@@ -205,8 +175,8 @@ static void *outcome(const struct recipe *recipe, size_t *size) {
         return NULL; /* a kernel that this processor cannot run */
     }
     drop_grains(scene, recipe, GRAINS);
-    step(scene, STEPS);
-    void *block = packed(scene, size);
+    kit_step(scene, STEPS);
+    void *block = kit_packed(scene, size);
     rk_scene_free(scene);
     return block;
 }
@@ -304,8 +274,7 @@ static void check_variants(struct recipe recipe) {
             variant.skin = 0.05 + 0.13 * (double)(m + k);
             void *other = outcome(&variant, &other_size);
             if (other) {
-                assert_int_equal(other_size, size);
-                assert_memory_equal(other, block, size);
+                kit_assert_same_block(other, other_size, block, size);
             }
             free(other);
         }
@@ -322,21 +291,17 @@ static void methods_skins_and_kernels_give_the_same_bytes(void **state) {
 
 /* Threads meet several times a step, so tiny scenes are slow on them: fewer steps. */
 static void check_threads(struct recipe recipe) {
-    size_t size[2];
-    void *block[2];
+    struct rk_scene *scenes[2];
     for (int several = 0; several < 2; several++) {
         recipe.threads = several ? 3 : 1;
         recipe.skin = several ? 0.25 : 0.1;
-        struct rk_scene *scene = shaken_box(&recipe, GRAINS);
-        drop_grains(scene, &recipe, GRAINS);
-        step(scene, 1500);
-        block[several] = packed(scene, &size[several]);
-        rk_scene_free(scene);
+        scenes[several] = shaken_box(&recipe, GRAINS);
+        drop_grains(scenes[several], &recipe, GRAINS);
+        kit_step(scenes[several], 1500);
     }
-    assert_int_equal(size[0], size[1]);
-    assert_memory_equal(block[0], block[1], size[0]);
-    free(block[0]);
-    free(block[1]);
+    kit_assert_same(scenes[0], scenes[1]);
+    rk_scene_free(scenes[0]);
+    rk_scene_free(scenes[1]);
 }
 
 static void threads_give_the_same_bytes(void **state) {
@@ -360,7 +325,7 @@ static void check_ledgers(const struct recipe *recipe, const struct rk_scene *re
     struct rk_scene *scene = shaken_box(recipe, GRAINS);
     struct rk_ledger one = {0}, other = {0};
     drop_grains(scene, recipe, GRAINS);
-    step(scene, STEPS);
+    kit_step(scene, STEPS);
     assert_int_equal(rk_scene_ledger(scene, &one), recipe->ledger);
     assert_int_equal(rk_scene_ledger(resumed, &other), recipe->ledger);
     assert_memory_equal(&one, &other, sizeof one);
@@ -374,18 +339,16 @@ static void check_resume(struct recipe recipe) {
     void *block = outcome(&recipe, &size);
     struct rk_scene *scene = shaken_box(&recipe, GRAINS);
     drop_grains(scene, &recipe, GRAINS);
-    step(scene, HALF);
-    void *half = packed(scene, &half_size);
+    kit_step(scene, HALF);
+    void *half = kit_packed(scene, &half_size);
     rk_scene_free(scene);
     struct rk_scene *resumed = shaken_box(&recipe, GRAINS);
     assert_int_equal(rk_scene_unpack(resumed, half, half_size, NULL), RK_OK);
-    void *again = packed(resumed, &resumed_size);
-    assert_int_equal(resumed_size, half_size);
-    assert_memory_equal(again, half, half_size);
-    step(resumed, STEPS - HALF);
-    void *end = packed(resumed, &resumed_size);
-    assert_int_equal(resumed_size, size);
-    assert_memory_equal(end, block, size);
+    void *again = kit_packed(resumed, &resumed_size);
+    kit_assert_same_block(again, resumed_size, half, half_size);
+    kit_step(resumed, STEPS - HALF);
+    void *end = kit_packed(resumed, &resumed_size);
+    kit_assert_same_block(end, resumed_size, block, size);
     check_ledgers(&recipe, resumed);
     rk_scene_free(resumed);
     free(again);
@@ -409,7 +372,7 @@ static void check_onlookers(struct recipe recipe) {
     struct rk_focus focus = {.grain = 7, .wall = 0};
     double row[16];
     for (int n = 0; n < STEPS; n += 10) {
-        step(scene, 10);
+        kit_step(scene, 10);
         for (size_t p = 0; p < rk_probe_registry.count; p++) {
             const struct rk_probe *probe = (const struct rk_probe *)rk_probe_registry.pieces[p];
             assert_true(probe->count <= 16);
@@ -424,9 +387,8 @@ static void check_onlookers(struct recipe recipe) {
         rk_scene_stable_step(scene);
         rk_scene_strain(scene);
     }
-    void *watched = packed(scene, &watched_size);
-    assert_int_equal(watched_size, size);
-    assert_memory_equal(watched, block, size);
+    void *watched = kit_packed(scene, &watched_size);
+    kit_assert_same_block(watched, watched_size, block, size);
     rk_scene_free(scene);
     free(watched);
     free(block);
@@ -451,23 +413,19 @@ static void held_and_released_grains_are_remembered(void **state) {
                                 .mixed = true,
                                 .ledger = true,
                                 .skin = 0.1};
-        size_t size, resumed_size;
+        size_t size;
         struct rk_scene *scene = shaken_box(&recipe, GRAINS);
         drop_grains(scene, &recipe, GRAINS);
-        step(scene, HALF);
+        kit_step(scene, HALF);
         assert_int_equal(rk_scene_hold(scene, 11, false, NULL), RK_OK);
         assert_int_equal(rk_scene_hold(scene, 3, true, NULL), RK_OK);
-        void *half = packed(scene, &size);
+        void *half = kit_packed(scene, &size);
         struct rk_scene *resumed = shaken_box(&recipe, GRAINS);
         assert_int_equal(rk_scene_unpack(resumed, half, size, NULL), RK_OK);
         free(half);
-        step(scene, STEPS - HALF);
-        step(resumed, STEPS - HALF);
-        void *one = packed(scene, &size), *other = packed(resumed, &resumed_size);
-        assert_int_equal(resumed_size, size);
-        assert_memory_equal(one, other, size);
-        free(one);
-        free(other);
+        kit_step(scene, STEPS - HALF);
+        kit_step(resumed, STEPS - HALF);
+        kit_assert_same(scene, resumed);
         rk_scene_free(scene);
         rk_scene_free(resumed);
     }
@@ -480,8 +438,8 @@ static void check_look(struct recipe recipe) {
     size_t size;
     struct rk_scene *scene = shaken_box(&recipe, GRAINS);
     drop_grains(scene, &recipe, GRAINS);
-    step(scene, HALF);
-    void *half = packed(scene, &size);
+    kit_step(scene, HALF);
+    void *half = kit_packed(scene, &size);
     struct rk_scene *resumed = shaken_box(&recipe, GRAINS);
     assert_int_equal(rk_scene_unpack(resumed, half, size, NULL), RK_OK);
     free(half);
@@ -524,9 +482,9 @@ static void damaged_states_do_no_harm(void **state) {
                             .group = "servo"};
     struct rk_scene *scene = shaken_box(&recipe, GRAINS);
     drop_grains(scene, &recipe, GRAINS);
-    step(scene, 6000);
+    kit_step(scene, 6000);
     size_t size;
-    char *block = packed(scene, &size);
+    char *block = kit_packed(scene, &size);
     rk_scene_free(scene);
     struct rk_stream stream = rk_stream_of(11, 0, 0, RK_FOR_TESTS, 0);
     size_t refused = 0;
@@ -595,7 +553,7 @@ static void scenes_of_none_one_and_two_grains_run(void **state) {
                                 .skin = 0.1};
         struct rk_scene *scene = shaken_box(&recipe, grains);
         drop_grains(scene, &recipe, grains);
-        step(scene, 5000);
+        kit_step(scene, 5000);
         assert_int_equal(rk_scene_steps(scene), 5000);
         rk_scene_free(scene);
     }

@@ -138,7 +138,7 @@ static void a_strange_folder_is_refused_and_not_touched(void **state) {
     mkdir(scratch_path(f->folder, "mine"), 0777);
     scratch_write(scratch_path(f->folder, "mine/study.yaml"), "precious", 8);
     refuse(f, "mine", RK_ECONFLICT, "holds other files");
-    assert_false(rk_file_exists(scratch_path(f->folder, "mine/lock")));
+    assert_false(rk_file_exists(scratch_path(f->folder, "mine/at_work")));
     scratch_write(scratch_path(f->folder, "file"), "precious", 8);
     refuse(f, "file", RK_ECONFLICT, "is a file");
     refuse(f, "file/below", RK_EIO, "Not a directory");
@@ -166,20 +166,23 @@ static void an_unwritable_folder_is_refused(void **state) {
     assert_non_null(strstr(err.message, "/proc/reckon-out"));
 }
 
-static void two_programs_do_not_share_a_folder(void **state) {
+static void who_is_at_work_is_known(void **state) {
     struct fixture *f = *state;
-    struct rk_store *store;
+    struct rk_store *store, *other;
     char who[96];
     const char *folder = scratch_path(f->folder, "out");
     assert_false(rk_store_busy(folder, who));
     assert_int_equal(rk_store_open(folder, f->plan, &store, NULL), RK_OK);
     assert_true(rk_store_busy(folder, who));
+    assert_false(rk_store_shared(store, who));
+    assert_int_equal(rk_store_open(folder, f->plan, &other, NULL), RK_OK);
+    assert_true(rk_store_shared(store, who));
     assert_non_null(strstr(who, "process "));
-    refuse(f, "out", RK_ECONFLICT, "is at work in");
     rk_store_close(store);
+    assert_true(rk_store_busy(folder, who));
+    rk_store_close(other);
     assert_false(rk_store_busy(folder, who));
-    assert_int_equal(rk_store_open(folder, f->plan, &store, NULL), RK_OK);
-    rk_store_close(store);
+    assert_false(rk_file_exists(scratch_path(f->folder, "out/at_work")));
 }
 
 /* Same name, same run: what tells the two files apart is the identity of the plan. */
@@ -521,7 +524,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(a_strange_folder_is_refused_and_not_touched, make, clear),
         cmocka_unit_test_setup_teardown(another_studys_folder_is_refused, make, clear),
         cmocka_unit_test_setup_teardown(an_unwritable_folder_is_refused, make, clear),
-        cmocka_unit_test_setup_teardown(two_programs_do_not_share_a_folder, make, clear),
+        cmocka_unit_test_setup_teardown(who_is_at_work_is_known, make, clear),
         cmocka_unit_test_setup_teardown(a_run_of_another_study_is_not_taken, make, clear),
         cmocka_unit_test_setup_teardown(threads_and_repetition_change_nothing, make, clear),
         cmocka_unit_test_setup_teardown(stops_change_nothing, make, clear),

@@ -1,0 +1,89 @@
+/* Commands that analyse data of any origin: a point of a study, any HDF5 dataset, any column of a
+ * CSV file. They share how data are named and read, and how results are given out.
+ *
+ * A command's options begin with a struct rk_data_options, its rows with RK_DATA_ROWS; its `main`
+ * hands a struct rk_data_command to rk_data_main.
+ */
+#ifndef RK_ENSEMBLE_COMMAND_DATA_H
+#define RK_ENSEMBLE_COMMAND_DATA_H
+
+#include "ensemble/analysis.h"
+#include "ensemble/analysis/report.h"
+#include "ensemble/analysis/samples.h"
+#include "ensemble/command/command.h"
+
+#include <stdio.h>
+
+struct rk_data_options {
+    const char *column, *replica, *point, *observable, *plot;
+    bool integral, json, csv;
+    uint64_t window, from, to, bootstrap, seed;
+    double interval, level;
+};
+
+/* What is analysed. */
+struct rk_data {
+    struct rk_samples samples;
+    double interval;
+    bool study;     /* it is of a study: times are in sqrt(d/g) */
+    bool integral;  /* as asked, or because it is the height of a study's intruder */
+    uint64_t scale; /* intervals in the unit that window, from and to are given in */
+    struct rk_stream stream;
+};
+
+struct rk_data_command {
+    const struct rk_analysis *analysis; /* draws the picture */
+    const char *title, *quantity;       /* of the picture */
+    bool integrates;                    /* says in JSON whether the data were an integral */
+    enum rk_status (*estimate)(const void *options, const struct rk_data *data,
+                               struct rk_result *result, struct rk_error *err);
+    void (*print)(const struct rk_result *result, FILE *out);
+};
+
+/* Read, estimate, draw, print; returns an enum rk_exit, everything having been said. */
+int rk_data_main(const struct rk_data_command *command, const char *operand,
+                 const struct rk_data_options *o, const void *options);
+
+/* The rows of struct rk_data_options, which is the member `data` of `type`. */
+#define RK_DATA_ROW(type, member) .offset = offsetof(struct type, data.member)
+/* clang-format off */
+#define RK_DATA_ROWS(of)                                                                          \
+    {.name = "from", .type = RK_OPTION_COUNT, RK_DATA_ROW(of, from), .argument = "N",             \
+     .fallback = "0", .high = 1e9,                                                                \
+     .doc = "leave out what is before: samples, or periods of a study"},                          \
+    {.name = "to", .type = RK_OPTION_COUNT, RK_DATA_ROW(of, to), .argument = "N",                 \
+     .fallback = "0", .high = 1e9, .doc = "leave out what is after; 0 is the end"},               \
+    {.name = "interval", .type = RK_OPTION_REAL, RK_DATA_ROW(of, interval), .argument = "T",      \
+     .fallback = "1", .low = 1e-300, .high = 1e300, .doc = "time between two samples of a file"}, \
+    RK_DATA_SOURCE_ROWS(of)
+#define RK_DATA_SOURCE_ROWS(of)                                                                   \
+    {.name = "column", .letter = 'c', .type = RK_OPTION_TEXT, RK_DATA_ROW(of, column),            \
+     .argument = "NAME", .doc = "column of a CSV file, by name or number"},                       \
+    {.name = "replica", .letter = 'r', .type = RK_OPTION_TEXT, RK_DATA_ROW(of, replica),          \
+     .argument = "NAME", .doc = "column that says which replica a row is of"},                    \
+    {.name = "point", .letter = 'p', .type = RK_OPTION_TEXT, RK_DATA_ROW(of, point),              \
+     .argument = "NAME", .doc = "point of a study"},                                              \
+    {.name = "observable", .type = RK_OPTION_TEXT, RK_DATA_ROW(of, observable),                   \
+     .argument = "NAME", .fallback = RK_REPORT_OBSERVABLE, .doc = "of a study"}
+#define RK_DATA_WINDOW_ROWS(of, length)                                                           \
+    {.name = "window", .letter = 'w', .type = RK_OPTION_COUNT, RK_DATA_ROW(of, window),           \
+     .argument = "N", .fallback = length, .low = 1, .high = 1e9,                                  \
+     .doc = "length of the windows: samples, or periods of a study"},                             \
+    {.name = "integral", .letter = 'i', .type = RK_OPTION_FLAG, RK_DATA_ROW(of, integral),        \
+     .doc = "the data are the observable's integral in time (a height for a velocity)"}
+#define RK_DATA_BOOTSTRAP_ROWS(of, count, least)                                                  \
+    {.name = "bootstrap", .type = RK_OPTION_COUNT, RK_DATA_ROW(of, bootstrap), .argument = "N",   \
+     .fallback = count, .low = least, .high = 1e6, .doc = "resamplings behind the intervals"}
+#define RK_DATA_OUTPUT_ROWS(of)                                                                   \
+    {.name = "level", .type = RK_OPTION_REAL, RK_DATA_ROW(of, level), .argument = "P",            \
+     .fallback = "0.95", .low = 0.5, .high = 0.999,                                               \
+     .doc = "probability that an interval is to cover"},                                          \
+    {.name = "seed", .type = RK_OPTION_COUNT, RK_DATA_ROW(of, seed), .argument = "N",             \
+     .fallback = "1", .high = 0x1p64, .doc = "of the resampling of a file's data"},               \
+    {.name = "plot", .type = RK_OPTION_TEXT, RK_DATA_ROW(of, plot), .argument = "FILE.png",       \
+     .doc = "picture, its script (.gp) and table (.csv) beside it"},                              \
+    {.name = "json", .type = RK_OPTION_FLAG, RK_DATA_ROW(of, json), .doc = "everything as JSON"}, \
+    {.name = "csv", .type = RK_OPTION_FLAG, RK_DATA_ROW(of, csv), .doc = "the curve as CSV"}
+/* clang-format on */
+
+#endif

@@ -1,0 +1,196 @@
+#include "ensemble/runner/crew.h"
+#include "ensemble/runner/run.h"
+#include "ensemble/store/claim.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+/* One bad file stops no other run, but where so many in a row meet an error the disk is full or
+ * gone, and the rest would settle their beds for nothing. */
+enum { TROUBLES_MAX = 3 };
+
+/* ---- What a run asks and tells ---- */
+
+bool rk_crew_stop(struct rk_crew *crew) {
+    if (atomic_load(&crew->stopped)) {
+        return true;
+    }
+    if (!crew->options->stop || !crew->options->stop(crew->options->context)) {
+        return false;
+    }
+    atomic_store(&crew->stopped, true);
+    return true;
+}
+
+void rk_crew_message(struct rk_crew *crew, const char *line) {
+    if (crew->options->message) {
+        pthread_mutex_lock(&crew->mutex);
+        crew->options->message(crew->options->context, line);
+        pthread_mutex_unlock(&crew->mutex);
+    }
+}
+
+static bool stop(void *context) {
+    struct rk_crew *crew = ((struct rk_berth *)context)->crew;
+    return atomic_load(&crew->lost) || rk_crew_stop(crew);
+}
+
+static void message(void *context, const char *line) {
+    rk_crew_message(((struct rk_berth *)context)->crew, line);
+}
+
+static void advance(void *context, double grain_steps) {
+    rk_crew_advance(context, grain_steps);
+}
+
+static void spare(void *context, double grain_steps) {
+    rk_crew_spare(context, grain_steps);
+}
+
+static bool holds(void *context) {
+    const struct rk_berth *berth = context;
+    return rk_claim_holds(berth->crew->worker, berth->run);
+}
+
+/* ---- One run ---- */
+
+static void note_error(struct rk_crew *crew, const struct rk_run *run, const struct rk_error *why) {
+    char line[768];
+    snprintf(line, sizeof line, "run %s could not be carried out: %s", run->id, why->message);
+    rk_crew_message(crew, line);
+    pthread_mutex_lock(&crew->mutex);
+    if (crew->first.status == RK_OK) {
+        crew->first = *why;
+    }
+    crew->troubles += why->status == RK_EIO;
+    if (crew->troubles >= TROUBLES_MAX) {
+        atomic_store(&crew->broken, true);
+    }
+    pthread_mutex_unlock(&crew->mutex);
+}
+
+static void begin(struct rk_berth *berth, size_t i) {
+    struct rk_crew *crew = berth->crew;
+    pthread_mutex_lock(&crew->mutex);
+    berth->run = &crew->plan->runs[i];
+    berth->done = berth->spared = 0;
+    crew->progress.running++;
+    pthread_mutex_unlock(&crew->mutex);
+}
+
+static void end(struct rk_berth *berth, size_t i, bool finished) {
+    struct rk_crew *crew = berth->crew;
+    pthread_mutex_lock(&crew->mutex);
+    berth->run = NULL;
+    crew->progress.running--;
+    if (finished) {
+        crew->troubles = 0;
+        crew->progress.done += crew->states[i] == RK_RUN_DONE;
+        crew->progress.failed += crew->states[i] == RK_RUN_FAILED;
+    }
+    rk_crew_tell(crew, false);
+    pthread_mutex_unlock(&crew->mutex);
+}
+
+/* A run whose claim is ours, and which may have been finished before it was. */
+static enum rk_status carry_out(struct rk_berth *berth, size_t i, struct rk_error *err) {
+    struct rk_crew *crew = berth->crew;
+    const struct rk_run *run = &crew->plan->runs[i];
+    const struct rk_run_hooks hooks = {.stop = stop,
+                                       .message = message,
+                                       .advance = advance,
+                                       .spare = spare,
+                                       .holds = holds,
+                                       .context = berth,
+                                       .checkpoint_every = crew->options->checkpoint_every};
+    struct rk_error why = RK_NO_ERROR;
+    bool failed = false;
+    enum rk_status status = rk_crew_look(crew, i, &why);
+    if (status == RK_EFORMAT) {
+        status = rk_crew_set_aside(crew, run, &why, &why);
+    }
+    if (status != RK_OK) {
+        return rk_fail_as(err, &why);
+    }
+    if (crew->states[i] != RK_RUN_WAITING) {
+        rk_crew_spare(berth, run->cost);
+        return rk_run_clean(crew->folder, run, err);
+    }
+    status = rk_run_execute(crew->folder, crew->plan, run, &hooks, &failed, err);
+    if (status == RK_OK) {
+        crew->states[i] = failed ? RK_RUN_FAILED : RK_RUN_DONE;
+    }
+    return status;
+}
+
+static void take_up(struct rk_berth *berth, size_t i) {
+    struct rk_crew *crew = berth->crew;
+    const struct rk_run *run = &crew->plan->runs[i];
+    struct rk_error why = RK_NO_ERROR;
+    bool mine;
+    enum rk_status status = rk_claim_take(crew->worker, run, &mine, NULL, &why);
+    if (status == RK_OK && !mine) {
+        crew->states[i] = RK_RUN_STARTED; /* elsewhere */
+        return;
+    }
+    if (status == RK_OK) {
+        begin(berth, i);
+        status = carry_out(berth, i, &why);
+        rk_claim_release(crew->worker, run, status == RK_OK);
+        end(berth, i, status == RK_OK);
+    }
+    if (status != RK_OK && status != RK_EINTERRUPTED && status != RK_ECONFLICT) {
+        crew->states[i] = RK_RUN_WAITING;
+        note_error(crew, run, &why);
+    }
+}
+
+/* ---- All of them ---- */
+
+static bool next(struct rk_crew *crew, size_t *i) {
+    pthread_mutex_lock(&crew->mutex);
+    bool found = crew->next < crew->count;
+    if (found) {
+        *i = crew->order[crew->next++];
+    }
+    pthread_mutex_unlock(&crew->mutex);
+    return found;
+}
+
+/* A stop request or a broken disk leaves the runs that have not begun. */
+static void *member(void *context) {
+    struct rk_berth *berth = context;
+    struct rk_crew *crew = berth->crew;
+    for (size_t i; !stop(berth) && !atomic_load(&crew->broken) && next(crew, &i);) {
+        take_up(berth, i);
+    }
+    return NULL;
+}
+
+/* Threads of their own and not a team of OpenMP's, so that each can have a team for its scene. The
+ * calling thread is the first of them; a thread that is not to be had is done without. */
+enum rk_status rk_crew_work(struct rk_crew *crew, struct rk_error *err) {
+    size_t threads = crew->count < (size_t)crew->threads ? crew->count : (size_t)crew->threads;
+    if (threads == 0) {
+        return RK_OK;
+    }
+    pthread_t *members = calloc(threads, sizeof *members);
+    bool *made = calloc(threads, sizeof *made);
+    if (!members || !made) {
+        free(members);
+        free(made);
+        return rk_fail(err, RK_EMEMORY, "not enough memory for %zu threads", threads);
+    }
+    for (size_t t = 1; t < threads; t++) {
+        made[t] = pthread_create(&members[t], NULL, member, &crew->berths[t]) == 0;
+    }
+    member(&crew->berths[0]);
+    for (size_t t = 1; t < threads; t++) {
+        if (made[t]) {
+            pthread_join(members[t], NULL);
+        }
+    }
+    free(members);
+    free(made);
+    return crew->first.status == RK_OK ? RK_OK : rk_fail_as(err, &crew->first);
+}

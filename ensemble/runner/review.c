@@ -1,0 +1,94 @@
+#include "ensemble/runner/crew.h"
+#include "ensemble/runner/run.h"
+#include "ensemble/store/claim.h"
+#include "ensemble/store/files.h"
+#include "ensemble/store/seal.h"
+
+#include <stdio.h>
+
+enum rk_status rk_crew_set_aside(struct rk_crew *crew, const struct rk_run *run,
+                                 const struct rk_error *why, struct rk_error *err) {
+    struct rk_path path, aside;
+    enum rk_status status = rk_path_of_run(&path, crew->folder, run->id, ".h5", err);
+    if (status == RK_OK) {
+        status = rk_path_set(&aside, err, "%s.damaged", path.text);
+    }
+    if (status == RK_OK && rename(path.text, aside.text) != 0) {
+        status = rk_fail_system(err, "rename", path.text);
+    }
+    if (status == RK_OK) {
+        char line[768];
+        snprintf(line, sizeof line, "run %s is done again, its file is kept as '%s.h5.damaged': %s",
+                 run->id, run->id, why->message);
+        rk_crew_message(crew, line);
+    }
+    return status;
+}
+
+enum rk_status rk_crew_look(struct rk_crew *crew, size_t i, struct rk_error *err) {
+    const struct rk_run *run = &crew->plan->runs[i];
+    struct rk_path path;
+    struct rk_seal seal;
+    crew->states[i] = RK_RUN_WAITING;
+    enum rk_status status = rk_path_of_run(&path, crew->folder, run->id, ".h5", err);
+    if (status != RK_OK || !rk_file_exists(path.text)) {
+        return status;
+    }
+    status = rk_seal_verify(path.text, &seal, err);
+    if (status == RK_OK && !rk_origin_is(&seal.origin, crew->plan, run)) {
+        status = rk_fail(err, RK_EFORMAT, "it belongs to another study or run");
+    }
+    if (status == RK_OK) {
+        crew->states[i] = seal.state == RK_SEAL_FAILED ? RK_RUN_FAILED : RK_RUN_DONE;
+    }
+    return status;
+}
+
+/* What a finished run left over, when the program was killed between its end and the tidying. */
+static enum rk_status tidy(struct rk_crew *crew, const struct rk_run *run, struct rk_error *err) {
+    bool mine;
+    enum rk_status status = rk_claim_take(crew->worker, run, &mine, NULL, err);
+    if (status == RK_OK && mine) {
+        status = rk_run_clean(crew->folder, run, err);
+        rk_claim_release(crew->worker, run, true);
+    }
+    return status;
+}
+
+static bool left_over(const struct rk_crew *crew, const struct rk_run *run) {
+    static const char *const endings[] = {".claim",    ".spool",    ".ckpt",
+                                          ".ckpt.old", ".ckpt.new", ".h5.tmp"};
+    struct rk_path path;
+    bool found = false;
+    for (size_t k = 0; !found && k < sizeof endings / sizeof *endings; k++) {
+        found = rk_path_of_run(&path, crew->folder, run->id, endings[k], NULL) == RK_OK &&
+                rk_name_exists(path.text);
+    }
+    return found;
+}
+
+/* A damaged file is left to whoever claims the run. */
+static enum rk_status review(struct rk_crew *crew, size_t i, struct rk_error *err) {
+    const struct rk_run *run = &crew->plan->runs[i];
+    enum rk_status status = rk_crew_look(crew, i, err);
+    if (status == RK_EFORMAT) {
+        return RK_OK;
+    }
+    bool finished = crew->states[i] == RK_RUN_DONE || crew->states[i] == RK_RUN_FAILED;
+    return status == RK_OK && finished && left_over(crew, run) ? tidy(crew, run, err) : status;
+}
+
+enum rk_status rk_crew_review(struct rk_crew *crew, struct rk_error *err) {
+    struct rk_error first = RK_NO_ERROR;
+#pragma omp parallel for schedule(dynamic, 16) num_threads(crew->threads)
+    for (size_t k = 0; k < crew->share_count; k++) {
+        struct rk_error why = RK_NO_ERROR;
+        if (!rk_crew_stop(crew) && review(crew, crew->share[k], &why) != RK_OK) {
+#pragma omp critical(rk_review)
+            if (first.status == RK_OK) {
+                first = why;
+            }
+        }
+    }
+    return first.status == RK_OK ? RK_OK : rk_fail_as(err, &first);
+}

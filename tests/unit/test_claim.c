@@ -1,0 +1,189 @@
+/* Claims under contention: processes that take, hold, give back and die at random. Whoever has a
+ * claim locks a file of the run's meanwhile; the lock is never found taken. */
+#include "ensemble/store/claim.h"
+#include "scratch.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+enum { PROCESSES = 6, RUNS = 2, DEATHS = 150, TAKES = 40 };
+
+struct fixture {
+    char *folder;
+    struct rk_run runs[RUNS];
+};
+
+static int make(void **state) {
+    struct fixture *f = calloc(1, sizeof *f);
+    f->folder = scratch_make();
+    mkdir(scratch_path(f->folder, "runs"), 0777);
+    for (int i = 0; i < RUNS; i++) {
+        snprintf(f->runs[i].id, sizeof f->runs[i].id, "run-%04d", i);
+    }
+    *state = f;
+    return 0;
+}
+
+static int clear(void **state) {
+    struct fixture *f = *state;
+    scratch_remove(f->folder);
+    free(f);
+    return 0;
+}
+
+/* Alone with the run? */
+static bool alone(const struct fixture *f, const struct rk_run *run, int *file) {
+    char name[64];
+    snprintf(name, sizeof name, "%s.alone", run->id);
+    struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+    *file = open(scratch_path(f->folder, name), O_RDWR | O_CREAT, 0666);
+    return *file >= 0 && fcntl(*file, F_OFD_SETLK, &lock) == 0;
+}
+
+/* What a contender comes to: 0 all well, 1 not alone, 2 an error; or it dies with a claim, 3. */
+static int contend(const struct fixture *f, unsigned seed) {
+    struct rk_worker *me;
+    struct rk_error err = RK_NO_ERROR;
+    if (rk_worker_begin(f->folder, &me, &err) != RK_OK) {
+        fprintf(stderr, "%s\n", err.message);
+        return 2;
+    }
+    for (int takes = 0; takes < TAKES;) {
+        seed = seed * 1664525u + 1013904223u;
+        const struct rk_run *run = &f->runs[(seed >> 16) % RUNS];
+        bool mine;
+        if (rk_claim_take(me, run, &mine, NULL, &err) != RK_OK) {
+            fprintf(stderr, "%s\n", err.message);
+            return 2;
+        }
+        if (!mine) {
+            usleep(50);
+            continue;
+        }
+        int file;
+        bool is_alone = alone(f, run, &file), holds = rk_claim_holds(me, run);
+        if (!is_alone || !holds) {
+            fprintf(stderr, "alone %d, holds %d, known %d\n", is_alone, holds, rk_worker_known(me));
+            return 1;
+        }
+        takes++;
+        usleep((seed >> 8) % 200);
+        close(file); /* before the end of the process frees the claim */
+        if ((seed >> 20) % 16 == 0) {
+            _exit(3);
+        }
+        rk_claim_release(me, run, (seed >> 24) % 2 == 0);
+    }
+    rk_worker_end(me);
+    return 0;
+}
+
+static void start(const struct fixture *f, unsigned seed) {
+    pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        _exit(contend(f, seed));
+    }
+}
+
+/* A finished run keeps no link, however many of its holders died. */
+static void expect_no_claim_left(const struct fixture *f) {
+    struct rk_worker *me;
+    struct rk_error err = RK_NO_ERROR;
+    bool mine;
+    assert_int_equal(rk_worker_begin(f->folder, &me, &err), RK_OK);
+    rk_worker_sweep(me);
+    for (int i = 0; i < RUNS; i++) {
+        assert_int_equal(rk_claim_take(me, &f->runs[i], &mine, NULL, &err), RK_OK);
+        assert_true(mine);
+        char holder[RK_WORKER_NAME];
+        bool again;
+        assert_int_equal(rk_claim_take(me, &f->runs[i], &again, holder, &err), RK_OK);
+        assert_false(again);
+        assert_string_equal(holder, rk_worker_name(me));
+        rk_claim_release(me, &f->runs[i], true);
+        assert_false(rk_claim_holds(me, &f->runs[i]));
+    }
+    rk_claim_sweep(me);
+    rk_worker_end(me);
+    assert_int_equal(rmdir(scratch_path(f->folder, "runs")), 0);
+    assert_true(access(scratch_path(f->folder, "at_work"), F_OK) != 0 && errno == ENOENT);
+}
+
+static void nobody_shares_a_run(void **state) {
+    const struct fixture *f = *state;
+    unsigned seed = 1;
+    int deaths = 0, running = 0;
+    for (; running < PROCESSES; running++) {
+        start(f, seed++);
+    }
+    while (running > 0) {
+        int status;
+        assert_true(wait(&status) > 0);
+        assert_true(WIFEXITED(status));
+        assert_true(WEXITSTATUS(status) == 0 || WEXITSTATUS(status) == 3);
+        deaths += WEXITSTATUS(status) == 3;
+        running--;
+        if (deaths + running < DEATHS) {
+            start(f, seed++);
+            running++;
+        }
+    }
+    assert_true(deaths >= DEATHS - PROCESSES);
+    expect_no_claim_left(f);
+}
+
+/* What is said in a record is read back, and the temporary files of the dead go. */
+static void records_are_read_back(void **state) {
+    const struct fixture *f = *state;
+    struct rk_worker *me, *other;
+    struct rk_error err = RK_NO_ERROR;
+    assert_int_equal(rk_worker_begin(f->folder, &me, &err), RK_OK);
+    assert_int_equal(rk_worker_begin(f->folder, &other, &err), RK_OK);
+    struct rk_work_run runs[2] = {{"a-0000", 12.5, 100}, {"b-0001", 1e300, 2e300}};
+    struct rk_work said = {.rate = 0.1, .runs = runs, .count = 2};
+    assert_int_equal(rk_worker_beat(other, &said, &err), RK_OK);
+    struct rk_work *list;
+    size_t count;
+    assert_int_equal(rk_workers_list(f->folder, me, &list, &count, &err), RK_OK);
+    assert_int_equal(count, 1);
+    assert_string_equal(list[0].name, rk_worker_name(other));
+    assert_non_null(strstr(list[0].who, "process "));
+    assert_true(list[0].rate == 0.1 && list[0].count == 2);
+    assert_memory_equal(list[0].runs, runs, sizeof runs);
+    rk_workers_free(list, count);
+    assert_int_equal(rk_worker_retire(other, &err), RK_OK);
+    assert_int_equal(rk_workers_list(f->folder, me, &list, &count, &err), RK_OK);
+    assert_int_equal(count, 0);
+    rk_workers_free(list, count);
+
+    char process[RK_PROCESS_NAME], mine[200];
+    rk_process_name(process);
+    snprintf(mine, sizeof mine, "plan.h5.%s.tmp", process);
+    scratch_write(scratch_path(f->folder, mine), "x", 1);
+    scratch_write(scratch_path(f->folder, "plan.h5.gone-0123-1-1.tmp"), "x", 1);
+    rk_worker_sweep(me);
+    assert_int_equal(access(scratch_path(f->folder, mine), F_OK), 0);
+    assert_int_not_equal(access(scratch_path(f->folder, "plan.h5.gone-0123-1-1.tmp"), F_OK), 0);
+    rk_worker_end(other);
+    rk_worker_end(me);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(records_are_read_back, make, clear),
+        cmocka_unit_test_setup_teardown(nobody_shares_a_run, make, clear),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
