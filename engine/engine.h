@@ -216,10 +216,10 @@ double rk_integrator_limit(const struct rk_piece *integrator, double zeta);
 
 /* The largest time step for which it is stable for a grain of mass `smallest` in a triangular
  * packing of its like (w^2 = 6 kn/m, damping likewise; with friction w^2 = 24 kt/m of turning;
- * section "Integrators" in the README), for discs of one material. Measured limits of lattices are 0
- * to 3 per cent above, and up to 5 per cent below where those of dashpots and of turning nearly
- * coincide (tests/physics/test_stability.c): stay below 80 per cent of it. A light grain that touches
- * more than six others may need a shorter one. */
+ * section "Integrators" in the README), for discs of one material. Measured limits of lattices are
+ * 0 to 3 per cent above, and up to 5 per cent below where those of dashpots and of turning nearly
+ * coincide (tests/physics/test_stability.c): stay below 80 per cent of it. A light grain that
+ * touches more than six others may need a shorter one. */
 double rk_stable_step(const struct rk_piece *integrator, const struct rk_contact_spec *contact,
                       double gamma, double smallest);
 
@@ -291,6 +291,9 @@ void rk_scene_gravity(const struct rk_scene *scene, double gravity[2]);
  * and of its body; and what its servo lids allow with the grains that they touch at present (at
  * least one each): a lid of mass M with n contacts moves with w^2 <= 2 n kn/M. */
 double rk_scene_stable_step(const struct rk_scene *scene);
+
+/* Go on with another neighbour method (out of rk_neighbour_registry): the bytes are the same. */
+void rk_scene_set_neighbours(struct rk_scene *scene, const struct rk_piece *method);
 
 /* Multiply all velocities by `keep` (0 to 1): a drag, for beds that should come to rest. */
 void rk_scene_slow_down(struct rk_scene *scene, double keep);
@@ -383,8 +386,8 @@ struct rk_strain rk_scene_strain(const struct rk_scene *scene);
 /* ---- Keeping and resuming ---------------------------------------------------------------- */
 
 /* The state as a block of bytes: everything that the field tables declare. Unpack into a scene
- * with the same spec, the same walls and no grains; the run goes on with the same bytes. Contacts
- * are there at once; their normal forces and those on walls are 0 until the next step.
+ * with the same spec, walls, groups and growths and no grains; the run goes on with the same bytes.
+ * Contacts are there at once; their normal forces and those on walls are 0 until the next step.
  * RK_EFORMAT when the block is not such a state (it may come from a damaged file: every size and
  * index is checked); the scene must then be freed. */
 size_t rk_scene_packed_size(const struct rk_scene *scene);

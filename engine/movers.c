@@ -10,14 +10,6 @@
 #include <gsl/gsl_sf_trig.h>
 #include <math.h>
 
-struct rk_mover *rk_mover_at(const struct rk_scene *scene, size_t row) {
-    if (row < scene->spec.walls) {
-        return row < scene->wall_count ? &scene->walls[row].mover : NULL;
-    }
-    size_t group = row - scene->spec.walls;
-    return group < scene->group_count ? &scene->groups[group].mover : NULL;
-}
-
 /* A scene has lids from the first one on. */
 static enum rk_status make_lids(struct rk_scene *scene, struct rk_error *err) {
     if (scene->lids.count > 0) {

@@ -14,7 +14,13 @@ static inline size_t rk_mover_rows(const struct rk_scene *scene) {
 }
 
 /* The mover of a row; NULL if there is no such wall or group yet. */
-struct rk_mover *rk_mover_at(const struct rk_scene *scene, size_t row);
+static inline struct rk_mover *rk_mover_at(const struct rk_scene *scene, size_t row) {
+    if (row < scene->spec.walls) {
+        return row < scene->wall_count ? &scene->walls[row].mover : NULL;
+    }
+    size_t group = row - scene->spec.walls;
+    return group < scene->group_count ? &scene->groups[group].mover : NULL;
+}
 
 /* Give a mover its drive, or another one; a lid keeps its place under another lid's drive.
  * RK_EINVALID with what is wrong. */

@@ -116,7 +116,9 @@ void rk_study_write_canonical(const struct rk_param_table *table, const void *va
                               bool technical, FILE *out) {
     size_t total = rk_param_total(table);
     for (size_t i = 0; i < total; i++) {
-        if (technical || !rk_param_at(table, i).group->technical) {
+        struct rk_param_ref ref = rk_param_at(table, i);
+        bool silent = ref.row->later && rk_param_is_default(ref, values);
+        if ((technical || !ref.group->technical) && !silent) {
             struct rk_param_line line = rk_param_line(table, i, values);
             fprintf(out, "%s = %s\n", line.path, line.text);
         }

@@ -29,7 +29,7 @@ enum rk_status rk_study_read_analyses(const struct rk_yaml *tree, struct rk_stud
                                       struct rk_error *err);
 
 /* Write the parameters as "path = value" lines, without those of technical groups unless
- * `technical`. Keys and identities are hashes of this text: it must never change for the same
+ * `technical`, and without later ones at their defaults. Keys and identities are hashes of this text: it must never change for the same
  * parameters. */
 void rk_study_write_canonical(const struct rk_param_table *table, const void *values,
                               bool technical, FILE *out);
