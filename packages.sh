@@ -6,7 +6,7 @@ set -eu
 build="gcc libc6-dev make cmake ninja-build pkg-config libgsl-dev libfftw3-dev libhdf5-dev \
 libyaml-dev libxxhash-dev librandom123-dev gnuplot-nox"
 tests="libcmocka-dev python3 python3-h5py python3-numpy"
-peers="lammps python3"
+peers="lammps python3 python3-numpy python3-scipy"
 
 wanted=""
 for set in "$@"; do
