@@ -77,7 +77,8 @@ static const struct rk_field ledger_rows[] = {
     {"damping_rate", RK_FIELD_F64, LEDGER(rates.damping), RK_IF_LEDGER, "its rate at present"},
     {"friction_rate", RK_FIELD_F64, LEDGER(rates.friction), RK_IF_LEDGER, "its rate at present"},
     {"rolling_rate", RK_FIELD_F64, LEDGER(rates.rolling), RK_IF_LEDGER, "its rate at present"},
-    {"start", RK_FIELD_F64, LEDGER(start), RK_IF_LEDGER, "energy at the beginning, in row 0"},
+    {"start", RK_FIELD_F64, LEDGER(start), RK_IF_LEDGER,
+     "row 0: energy at the beginning; row 1: has it begun?"},
 };
 const struct rk_field_set rk_ledger_fields = {"ledger rows", ledger_rows,
                                               sizeof ledger_rows / sizeof *ledger_rows,

@@ -18,7 +18,7 @@ enum rk_status rk_ledger_create(struct rk_scene *scene, struct rk_error *err) {
 
 void rk_ledger_forget(struct rk_scene *scene) {
     if (scene->has[RK_IF_LEDGER]) {
-        scene->ledger.start[0] = NAN;
+        scene->ledger.start[1] = 0;
     }
 }
 
@@ -175,11 +175,13 @@ static double present_energy(const struct rk_scene *scene) {
 
 void rk_ledger_begin(struct rk_scene *scene) {
     struct rk_ledger_rows *sums = &scene->ledger.sums;
-    for (size_t row = 0; isnan(scene->ledger.start[0]) && row < scene->ledger.count; row++) {
+    double *start = scene->ledger.start;
+    for (size_t row = 0; start[1] == 0 && row < scene->ledger.count; row++) {
         sums->work[row] = sums->damping[row] = sums->friction[row] = sums->rolling[row] = 0;
     }
-    if (isnan(scene->ledger.start[0])) {
-        scene->ledger.start[0] = present_energy(scene);
+    if (start[1] == 0) {
+        start[0] = present_energy(scene);
+        start[1] = 1;
     }
     if (scene->has[RK_IF_GROWS]) {
         rk_growth_look_ahead(scene);

@@ -186,7 +186,8 @@ struct rk_ledger_rows {
 struct rk_ledger_state {
     size_t count; /* one for each mover there may be, one for pairs and gravity, one for growth */
     struct rk_ledger_rows sums, rates;
-    double *start; /* [0]: kinetic, rotational and elastic energy at the beginning */
+    double *start; /* [0]: kinetic, rotational and elastic energy at the beginning; [1]: 1 once it
+                    * has been taken */
 };
 
 /* The lids among the movers: an entry for each mover there may be, none without lids. */
