@@ -13,7 +13,7 @@ static size_t whole_blocks(size_t count) {
 }
 
 bool rk_close_holds(const struct rk_scene *scene) {
-    return scene->neighbours.close_valid &&
+    return scene->neighbours.close_valid && !scene->neighbours.swollen &&
            rk_bounds_within(&scene->neighbours.crept, rk_neighbours_close_skin(scene));
 }
 

@@ -38,6 +38,7 @@ static void servo_correct(const struct rk_drive_spec *spec, const struct rk_lid_
 const struct rk_drive rk_drive_servo = {
     .piece = {"servo", "a lid of given mass under a given load, pushed back by the grains"},
     .fault = servo_fault,
+    .inert = true,
     .weighs = servo_weighs,
     .predict = servo_predict,
     .correct = servo_correct};

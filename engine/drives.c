@@ -5,8 +5,8 @@
 static const struct rk_piece *const drives[] = {&rk_drive_rest.piece,     &rk_drive_sinusoid.piece,
                                                 &rk_drive_constant.piece, &rk_drive_rotation.piece,
                                                 &rk_drive_servo.piece,    &rk_drive_press.piece};
-const struct rk_registry rk_drive_registry = {"drive", "how a wall moves", drives,
-                                              sizeof drives / sizeof *drives};
+const struct rk_registry rk_drive_registry = {"drive", "how a wall or a group of grains moves",
+                                              drives, sizeof drives / sizeof *drives};
 
 const struct rk_drive *rk_drive_of(const struct rk_drive_spec *spec) {
     return spec->kind ? (const struct rk_drive *)spec->kind : &rk_drive_rest;

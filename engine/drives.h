@@ -1,4 +1,4 @@
-/* Drives: how a wall moves along its direction, or turns about its pivot.
+/* Drives: how a wall or a group of grains moves along its direction, or turns about its pivot.
  *
  * Most are functions of time alone. A lid (servo, press) answers to the grains: its position and
  * velocity along the direction are state, rows of rk_lid_fields, and it is taken through a step as
@@ -27,7 +27,7 @@ struct rk_lid {
 struct rk_lid_load {
     double force;   /* of the grains, along the direction */
     double gravity; /* acceleration of gravity along the direction */
-    double kinetic; /* mean kinetic energy of a grain, if the drive `weighs` at this step */
+    double kinetic; /* mean kinetic energy of a free grain, if the drive `weighs` at this step */
     uint64_t steps;
 };
 
@@ -37,6 +37,8 @@ struct rk_drive {
     const char *(*fault)(const struct rk_drive_spec *spec);
     /* Motion at time t. NULL for a lid. */
     void (*move)(const struct rk_drive_spec *spec, double t, struct rk_motion *motion);
+    /* A lid that forces move: mass and damping of the spec are those of its motion. */
+    bool inert;
     /* NULL but for a lid. Is load.kinetic wanted at the beginning of this step? */
     bool (*weighs)(const struct rk_drive_spec *spec, uint64_t steps);
     void (*predict)(const struct rk_drive_spec *spec, const struct rk_lid_load *load, double dt,

@@ -32,6 +32,8 @@ extern const struct rk_registry rk_law_registry;        /* linear, mass-damped, 
 extern const struct rk_registry rk_friction_registry;   /* none, cundall-strack, haff-werner */
 extern const struct rk_registry rk_rolling_registry;    /* none, spring */
 extern const struct rk_registry rk_tension_registry;    /* cut, keep */
+extern const struct rk_registry rk_body_registry;       /* disc, sphere */
+extern const struct rk_registry rk_gravity_registry;    /* none, constant, switched */
 extern const struct rk_registry rk_drive_registry;      /* rest, sinusoid, ..., press */
 extern const struct rk_registry rk_shape_registry;      /* line, segment, arc, polygon */
 extern const struct rk_registry rk_integrator_registry; /* verlet, verlet-implicit, gear5 */
@@ -79,14 +81,24 @@ struct rk_health_spec {
 enum { RK_HEALTH_PARAMS = 3 };
 extern const struct rk_param rk_health_params[RK_HEALTH_PARAMS];
 
+/* What pulls at all grains, and at servo lids. */
+struct rk_gravity_spec {
+    const struct rk_piece *kind; /* out of rk_gravity_registry; NULL: constant */
+    double first[2];             /* constant and switched: acceleration */
+    double then[2], when;        /* switched: the vector from time `when` on */
+};
+
 struct rk_scene_spec {
-    size_t grains;     /* how many there will be at most, 0 to RK_GRAINS_MAX */
-    size_t walls;      /* likewise, 0 to RK_WALLS_MAX */
-    double period_x;   /* width of the periodic box [0, period_x), 0 for an open one */
-    double gravity[2]; /* acceleration */
-    double dt;         /* time step */
-    double gamma;      /* normal damping constant, see rk_contact_gamma */
-    double smallest;   /* smallest mass a grain may have */
+    size_t grains;               /* how many there will be at most, 0 to RK_GRAINS_MAX */
+    size_t walls;                /* likewise, 0 to RK_WALLS_MAX */
+    size_t groups;               /* of grains that are driven; likewise, 0 to RK_GROUPS_MAX */
+    double period_x;             /* width of the periodic box [0, period_x), 0 for an open one */
+    double gravity[2];           /* acceleration, while pull.kind is NULL */
+    struct rk_gravity_spec pull; /* where that is not enough; in a scene always filled in */
+    const struct rk_piece *body; /* out of rk_body_registry; NULL: disc */
+    double dt;                   /* time step */
+    double gamma;                /* normal damping constant, see rk_contact_gamma */
+    double smallest;             /* smallest mass a grain may have */
     struct rk_contact_spec contact;
     struct rk_accuracy_spec accuracy;
     struct rk_health_spec health;
@@ -98,6 +110,7 @@ struct rk_scene_spec {
 
 #define RK_GRAINS_MAX ((size_t)1 << 27)
 #define RK_WALLS_MAX ((size_t)64)
+#define RK_GROUPS_MAX ((size_t)64)
 
 /* What bodies are made of, where they are not all of one material: the numbers of the laws. Two
  * materials mix as engine/contact.h says. Material 0 is always that of the contact spec. */
@@ -106,19 +119,31 @@ struct rk_material {
 };
 #define RK_MATERIALS_MAX ((size_t)8)
 
+/* How radii change: at `rate`, above or below 0, as long as they are between two bounds. The mass
+ * follows at constant density (as R^2 for discs, as R^3 for spheres), the moment of inertia, too;
+ * what is added has the velocity and spin of the grain, which do not change. Grains may be of
+ * different growths or of none, free, held or of a group (engine/growth.h). */
+struct rk_growth_spec {
+    double rate;
+    double smallest, largest;
+};
+#define RK_GROWTHS_MAX ((size_t)16)
+
 /* A grain as it is added and as it is looked at. */
 struct rk_grain {
     double x, y, vx, vy;
     double angle, omega; /* 0 and ignored where there is no friction */
-    double radius, mass; /* moment of inertia mass radius^2/2: a disc */
+    double radius, mass; /* moment of inertia as spec.body says */
     bool held;           /* nailed to its place: feels forces, does not move */
     size_t material;     /* 0, or what rk_scene_add_material gave */
+    size_t growth;       /* 0: none; or what rk_scene_add_growth gave */
+    size_t group;        /* 0: free; or what rk_scene_add_group gave, which moves it from then on */
 };
 
-/* How a wall moves.
+/* How a wall or a group moves.
  * sinusoid: displacement amplitude sin(2 pi t/period + phase) along direction
  * constant: displacement speed t along direction
- * rotation: angle spin t about the wall's pivot
+ * rotation: angle spin t about the pivot
  * servo:    mass a = load + mass gravity.direction + (force of the grains).direction - damping v
  * press:    on by `stride` along direction, over the next `every` steps, whenever the mean kinetic
  *           energy of a grain is below `threshold` at a step number divisible by `every`
@@ -164,6 +189,17 @@ struct rk_wall_spec {
     struct rk_drive_spec drive;
 };
 
+/* Grains that a drive carries, together or one alone: also a wall made of grains. A grain is added
+ * to it where it is at displacement and angle 0; its velocity and `held` do not count, it is of the
+ * group's material. Forces act on such grains but do not move them. They do not interact with each
+ * other, with grains of another group, nor with walls, and count as wall in energies. */
+struct rk_group_spec {
+    struct rk_drive_spec drive;
+    double pivot[2]; /* it turns, and its torque is reported, about this point of it */
+    bool friction;   /* false: its grains are smooth (needs room for one material more) */
+    size_t material; /* 0, or what rk_scene_add_material gave */
+};
+
 /* Do the parts of a contact fit each other? RK_EINVALID with err->subject naming one. */
 enum rk_status rk_contact_check(const struct rk_contact_spec *contact, struct rk_error *err);
 
@@ -180,10 +216,10 @@ double rk_integrator_limit(const struct rk_piece *integrator, double zeta);
 
 /* The largest time step for which it is stable for a grain of mass `smallest` in a triangular
  * packing of its like (w^2 = 6 kn/m, damping likewise; with friction w^2 = 24 kt/m of turning;
- * section "Integrators" in the README). Measured limits of lattices are 0 to 3 per cent above, and
- * up to 5 per cent below where those of dashpots and of turning nearly coincide (tests/physics/
- * test_stability.c): stay below 80 per cent of it. A light grain that touches more than six others
- * may need a shorter one. */
+ * section "Integrators" in the README), for discs of one material. Measured limits of lattices are
+ * 0 to 3 per cent above, and up to 5 per cent below where those of dashpots and of turning nearly
+ * coincide (tests/physics/test_stability.c): stay below 80 per cent of it. A light grain that
+ * touches more than six others may need a shorter one. */
 double rk_stable_step(const struct rk_piece *integrator, const struct rk_contact_spec *contact,
                       double gamma, double smallest);
 
@@ -210,6 +246,24 @@ enum rk_status rk_scene_add_grain(struct rk_scene *scene, const struct rk_grain 
 enum rk_status rk_scene_add_wall(struct rk_scene *scene, const struct rk_wall_spec *wall,
                                  struct rk_error *err);
 
+/* Add a group, before the grains: its number, 1, 2, ..., goes to *group. RK_EINVALID: too many, a
+ * drive with a fault, grains are there already. */
+enum rk_status rk_scene_add_group(struct rk_scene *scene, const struct rk_group_spec *group,
+                                  size_t *number, struct rk_error *err);
+
+/* Add a growth, before the grains: its number, 1, 2, ..., goes to *number. RK_EINVALID: too many,
+ * no numbers, grains are there already. */
+enum rk_status rk_scene_add_growth(struct rk_scene *scene, const struct rk_growth_spec *growth,
+                                   size_t *number, struct rk_error *err);
+
+/* A row of grains like `each` along a segment, an arc or a polygon, of which shape and its numbers
+ * count: on every vertex, and between two, or along an arc, at equal distances of at most `spacing`
+ * (along an arc, of its length). How many that takes: 0 when the shape or the spacing has a fault.
+ * RK_EINVALID: such a fault, no room, whatever is wrong with `each`. */
+size_t rk_row_count(const struct rk_wall_spec *along, double spacing);
+enum rk_status rk_scene_add_row(struct rk_scene *scene, const struct rk_wall_spec *along,
+                                double spacing, const struct rk_grain *each, struct rk_error *err);
+
 /* Advance by `steps` time steps. RK_EUNSTABLE when the state has become nonsense: the message
  * names the time, the grain, the value and the largest stable dt; the scene stays as it was found.
  * The check is made every spec.health.every steps, and as much oftener as it takes for no grain to
@@ -217,12 +271,26 @@ enum rk_status rk_scene_add_wall(struct rk_scene *scene, const struct rk_wall_sp
 enum rk_status rk_scene_step(struct rk_scene *scene, uint64_t steps, struct rk_error *err);
 
 /* Between two phases of one run (a settled bed begins to be shaken): the clock goes back to step
- * 0 and the time step changes, or a wall gets another drive, or a grain is held or let go.
+ * 0 and the time step changes, or a wall or group gets another drive, or a grain is held or let go.
  * Contacts and their history live on. A released grain starts at rest. */
 enum rk_status rk_scene_restart_clock(struct rk_scene *scene, double dt, struct rk_error *err);
 enum rk_status rk_scene_set_drive(struct rk_scene *scene, size_t wall,
                                   const struct rk_drive_spec *drive, struct rk_error *err);
+enum rk_status rk_scene_set_group_drive(struct rk_scene *scene, size_t group,
+                                        const struct rk_drive_spec *drive, struct rk_error *err);
 enum rk_status rk_scene_hold(struct rk_scene *scene, uint32_t tag, bool held, struct rk_error *err);
+
+/* Another gravity from now on; a switched one counts the time of the clock. RK_EINVALID. */
+enum rk_status rk_scene_set_gravity(struct rk_scene *scene, const struct rk_gravity_spec *gravity,
+                                    struct rk_error *err);
+
+/* The gravity that the forces of the last step felt. */
+void rk_scene_gravity(const struct rk_scene *scene, double gravity[2]);
+
+/* The largest stable time step of this scene: rk_stable_step of the stiffest pair of its materials
+ * and of its body; and what its servo lids allow with the grains that they touch at present (at
+ * least one each): a lid of mass M with n contacts moves with w^2 <= 2 n kn/M. */
+double rk_scene_stable_step(const struct rk_scene *scene);
 
 /* Go on with another neighbour method (out of rk_neighbour_registry): the bytes are the same. */
 void rk_scene_set_neighbours(struct rk_scene *scene, const struct rk_piece *method);
@@ -234,6 +302,7 @@ void rk_scene_slow_down(struct rk_scene *scene, double keep);
 
 size_t rk_scene_grains(const struct rk_scene *scene);
 size_t rk_scene_walls(const struct rk_scene *scene);
+size_t rk_scene_groups(const struct rk_scene *scene);
 uint64_t rk_scene_steps(const struct rk_scene *scene);
 double rk_scene_time(const struct rk_scene *scene); /* steps * dt */
 const struct rk_scene_spec *rk_scene_spec(const struct rk_scene *scene);
@@ -277,7 +346,13 @@ struct rk_wall_turn {
 };
 struct rk_wall_turn rk_scene_wall_turn(const struct rk_scene *scene, size_t wall);
 
-/* Energies of the present state: translation, rotation, springs of the contacts, height above 0. */
+/* The same of a group, 1, 2, ... */
+void rk_scene_group(const struct rk_scene *scene, size_t group, double displacement[2],
+                    double velocity[2], double force[2]);
+struct rk_wall_turn rk_scene_group_turn(const struct rk_scene *scene, size_t group);
+
+/* Energies of the present state: translation, rotation, springs of the contacts, height above 0.
+ * Grains of groups have none but that of their contacts. */
 struct rk_energy {
     double kinetic, rotational, elastic, gravitational;
     double sheared; /* the part of elastic that tangential and rolling springs hold */
@@ -285,12 +360,12 @@ struct rk_energy {
 struct rk_energy rk_scene_energy(const struct rk_scene *scene);
 
 /* Where energy came from and went since the clock started, with spec.ledger; false without. The
- * residual, energy - start - gravity - walls + damping + friction + rolling, is the error of the
- * time step: it shrinks with dt^2 (engine/ledger.h). Friction and rolling include what their
- * springs hold at present. */
+ * residual, energy - start - gravity - walls - groups - growth + damping + friction + rolling, is
+ * the error of the time step: it shrinks with dt^2 (engine/ledger.h). Friction and rolling include
+ * what their springs hold at present. */
 struct rk_ledger {
-    double start, energy;  /* kinetic, rotational and of normal springs, then and now */
-    double gravity, walls; /* work done on the grains */
+    double start, energy; /* kinetic, rotational and of normal springs, then and now */
+    double gravity, walls, groups, growth; /* work done on the grains */
     double damping, friction, rolling;
     double residual;
 };
@@ -298,6 +373,8 @@ bool rk_scene_ledger(const struct rk_scene *scene, struct rk_ledger *out);
 /* Of one wall: the work it has done on the grains, what its contacts have taken; 0 without. */
 double rk_scene_wall_work(const struct rk_scene *scene, size_t wall);
 double rk_scene_wall_dissipation(const struct rk_scene *scene, size_t wall);
+double rk_scene_group_work(const struct rk_scene *scene, size_t group);
+double rk_scene_group_dissipation(const struct rk_scene *scene, size_t group);
 
 /* The largest value of three kinds of trouble at present, for `check`s and for choosing limits. */
 struct rk_strain {
@@ -309,8 +386,8 @@ struct rk_strain rk_scene_strain(const struct rk_scene *scene);
 /* ---- Keeping and resuming ---------------------------------------------------------------- */
 
 /* The state as a block of bytes: everything that the field tables declare. Unpack into a scene
- * with the same spec, the same walls and no grains; the run goes on with the same bytes. Contacts
- * are there at once; their normal forces and those on walls are 0 until the next step.
+ * with the same spec, walls, groups and growths and no grains; the run goes on with the same bytes.
+ * Contacts are there at once; their normal forces and those on walls are 0 until the next step.
  * RK_EFORMAT when the block is not such a state (it may come from a damaged file: every size and
  * index is checked); the scene must then be freed. */
 size_t rk_scene_packed_size(const struct rk_scene *scene);

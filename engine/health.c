@@ -1,7 +1,7 @@
 #include "engine/health.h"
 
-#include "engine/contact.h"
-#include "engine/integrator.h"
+#include "engine/groups.h"
+#include "engine/movers.h"
 #include "engine/walls.h"
 
 #include <math.h>
@@ -37,64 +37,17 @@ const struct rk_param rk_health_params[RK_HEALTH_PARAMS] = {
 };
 #undef AT
 
-/* ---- The largest stable step ---------------------------------------------------------------- */
-
-/* Stiffness and dashpot of one contact of two of the smallest grains. The viscoelastic law is
- * stiffer the deeper: an overlap of a tenth of the radius, which no good run exceeds, stands for
- * all. */
-static void stiffest(const struct rk_contact_spec *contact, double gamma, double smallest,
-                     double *stiffness, double *dashpot) {
-    *stiffness = contact->kn;
-    *dashpot = gamma;
-    if (contact->law == &rk_law_mass_damped.piece) {
-        *dashpot = gamma * 0.5 * smallest;
-    } else if (contact->law == &rk_law_viscoelastic.piece) {
-        double radius = sqrt(smallest);
-        double scale = 0.5 * contact->young * sqrt(0.5 * radius * 0.1 * radius);
-        *stiffness = 1.5 * scale;
-        *dashpot = scale * contact->loss;
-    }
-}
-
-/* With friction there is a motion that may be faster: all turn the same way, and at six contacts
- * the slip is twice R omega, so that omega'' = -24 kt/m omega or omega' = -24 gamma_t/m omega.
- * The integrators say how far each may go: `slip_spring` bounds (w h)^2, `slip_dashpot` b h. */
-static double turning_limit(const struct rk_integrator *integrator,
-                            const struct rk_contact_spec *contact, double smallest) {
-    if (contact->friction == &rk_friction_cundall_strack.piece && contact->mu > 0) {
-        return sqrt(integrator->slip_spring * smallest / (24 * contact->kt));
-    }
-    if (contact->friction == &rk_friction_haff_werner.piece && contact->mu > 0) {
-        return integrator->slip_dashpot * smallest / (24 * contact->gamma_t);
-    }
-    return INFINITY;
-}
-
-double rk_stable_step(const struct rk_piece *piece, const struct rk_contact_spec *contact,
-                      double gamma, double smallest) {
-    const struct rk_integrator *integrator = rk_integrator_of(piece);
-    double stiffness, dashpot;
-    stiffest(contact, gamma, smallest, &stiffness, &dashpot);
-    /* The stiffest motion of a grain among six alike: springs and dashpots add up to 6 of each. */
-    double w = sqrt(6 * stiffness / smallest);
-    double zeta = 6 * dashpot / smallest / (2 * w);
-    double limit = integrator->crowd * rk_integrator_limit(piece, zeta) / w;
-    double turning = turning_limit(integrator, contact, smallest);
-    return limit < turning ? limit : turning;
-}
-
 /* ---- The check ------------------------------------------------------------------------------ */
 
 static enum rk_status nonsense(const struct rk_scene *scene, size_t i, struct rk_error *err,
                                const char *what, double value, double limit) {
     const struct rk_scene_spec *spec = &scene->spec;
-    return rk_fail(
-        err, RK_EUNSTABLE,
-        "at t = %.6g (step %llu) grain %u at (%.6g, %.6g) %s: %.4g, the limit is %.4g; "
-        "dt is %.4g, the largest stable dt is %.4g",
-        rk_scene_time(scene), (unsigned long long)scene->steps, scene->grains.tag[i],
-        scene->grains.x[i], scene->grains.y[i], what, value, limit, spec->dt,
-        rk_stable_step(spec->accuracy.integrator, &spec->contact, spec->gamma, spec->smallest));
+    return rk_fail(err, RK_EUNSTABLE,
+                   "at t = %.6g (step %llu) grain %u at (%.6g, %.6g) %s: %.4g, the limit is %.4g; "
+                   "dt is %.4g, the largest stable dt is %.4g",
+                   rk_scene_time(scene), (unsigned long long)scene->steps, scene->grains.tag[i],
+                   scene->grains.x[i], scene->grains.y[i], what, value, limit, spec->dt,
+                   rk_scene_stable_step(scene));
 }
 
 static enum rk_status check_sides(const struct rk_scene *scene, size_t i, struct rk_error *err) {
@@ -112,9 +65,7 @@ static enum rk_status check_sides(const struct rk_scene *scene, size_t i, struct
                            "at t = %.6g (step %llu) grain %u at (%.6g, %.6g) has left wall %zu, "
                            "which encloses the grains; dt is %.4g, the largest stable dt is %.4g",
                            rk_scene_time(scene), (unsigned long long)scene->steps, g->tag[i],
-                           g->x[i], g->y[i], w, scene->spec.dt,
-                           rk_stable_step(scene->spec.accuracy.integrator, &scene->spec.contact,
-                                          scene->spec.gamma, scene->spec.smallest));
+                           g->x[i], g->y[i], w, scene->spec.dt, rk_scene_stable_step(scene));
         }
     }
     return RK_OK;
@@ -135,7 +86,7 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
             return nonsense(scene, i, err, "moves too far in one step, in radii",
                             speed * dt / g->radius[i], travel);
         }
-        enum rk_status status = check_sides(scene, i, err);
+        enum rk_status status = rk_grain_carried(g, i) ? RK_OK : check_sides(scene, i, err);
         if (status) {
             return status;
         }
@@ -173,8 +124,9 @@ static double farthest(const struct rk_scene *scene, const struct rk_bounds *mov
     for (int k = 0; k < 2; k++) {
         double low = move->low[k] < 0 ? move->low[k] : 0; /* against a body at rest, too */
         double high = move->high[k] > 0 ? move->high[k] : 0;
-        for (size_t w = 0; w < scene->wall_count; w++) {
-            double wall = scene->walls[w].pose.velocity[k] * scene->spec.dt;
+        for (size_t row = 0; row < rk_mover_rows(scene); row++) {
+            const struct rk_mover *mover = rk_mover_at(scene, row);
+            double wall = mover ? mover->pose.velocity[k] * scene->spec.dt : 0;
             low = wall < low ? wall : low;
             high = wall > high ? wall : high;
         }
@@ -200,14 +152,17 @@ bool rk_health_due(const struct rk_scene *scene, const struct rk_bounds *move) {
 }
 
 static enum rk_status check_lids(const struct rk_scene *scene, struct rk_error *err) {
-    for (size_t w = 0; w < scene->lids.count; w++) {
-        double sane = scene->lids.position[w] + scene->lids.velocity[w];
+    for (size_t row = 0; row < scene->lids.count; row++) {
+        double sane = scene->lids.position[row] + scene->lids.velocity[row];
+        size_t walls = scene->spec.walls;
         if (!isfinite(sane)) {
             return rk_fail(err, RK_EUNSTABLE,
-                           "at t = %.6g (step %llu) wall %zu, a lid, has a position or velocity "
-                           "that is no number; it may be too light for dt = %.4g",
-                           rk_scene_time(scene), (unsigned long long)scene->steps, w,
-                           scene->spec.dt);
+                           "at t = %.6g (step %llu) %s %zu, a lid, has a position or velocity "
+                           "that is no number; it may be too light for dt = %.4g, the largest "
+                           "stable dt is %.4g",
+                           rk_scene_time(scene), (unsigned long long)scene->steps,
+                           row < walls ? "wall" : "group", row < walls ? row : row - walls + 1,
+                           scene->spec.dt, rk_scene_stable_step(scene));
         }
     }
     return RK_OK;

@@ -4,7 +4,7 @@
 #include "engine/fields.h"
 #include "engine/integrator.h"
 #include "engine/kernel.h"
-#include "engine/walls.h"
+#include "engine/movers.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -68,7 +68,7 @@ static enum rk_status look_ahead(struct rk_scene *scene, const void *block, cons
         lids->position[w] += ahead * (lids->velocity[w] + ahead / 2 * lids->acceleration[w]);
         lids->velocity[w] += ahead * lids->acceleration[w];
     }
-    rk_walls_move(scene, rk_scene_time(scene) + ahead);
+    rk_scene_pose(scene, rk_scene_time(scene) + ahead);
     enum rk_status status = rk_scene_add_forces(scene, ahead, err);
     for (size_t k = 0; status == RK_OK && k < count; k++) {
         for (size_t i = 0; i < n; i++) {
@@ -113,7 +113,7 @@ static enum rk_status start(struct rk_scene *scene, struct rk_error *err) {
             status = estimate(scene, block, &p, err);
         }
         rk_scene_rewind(scene, block);
-        rk_walls_move(scene, rk_scene_time(scene));
+        rk_scene_pose(scene, rk_scene_time(scene));
         if (status == RK_OK) {
             status = rk_scene_add_forces(scene, 0, err); /* the present once more, to be seen */
         }

@@ -1,12 +1,30 @@
 #include "engine/ledger.h"
 
 #include "engine/fields.h"
+#include "engine/groups.h"
+#include "engine/growth.h"
+#include "engine/movers.h"
 
 #include <math.h>
 
 enum rk_status rk_ledger_create(struct rk_scene *scene, struct rk_error *err) {
-    scene->ledger.count = scene->spec.walls + 1;
-    return rk_fields_resize(scene, &rk_ledger_fields, scene->ledger.count, err);
+    scene->ledger.count = rk_mover_rows(scene) + 2;
+    enum rk_status status = rk_fields_resize(scene, &rk_ledger_fields, scene->ledger.count, err);
+    if (status == RK_OK) {
+        rk_ledger_forget(scene);
+    }
+    return status;
+}
+
+void rk_ledger_forget(struct rk_scene *scene) {
+    if (scene->has[RK_IF_LEDGER]) {
+        scene->ledger.start[1] = 0;
+    }
+}
+
+/* Of pairs of grains that no drive carries, and of gravity. */
+static size_t common_row(const struct rk_scene *scene) {
+    return rk_mover_rows(scene);
 }
 
 /* ---- Rates of one moment ------------------------------------------------------------------------
@@ -41,11 +59,33 @@ static size_t material_of(const struct rk_grains *g, size_t i) {
     return g->material ? g->material[i] : 0;
 }
 
+static size_t growth_row(const struct rk_scene *scene) {
+    return rk_mover_rows(scene) + 1;
+}
+
+/* A contact as its group sees it: force on the second grain, torques on the first and the second.
+ */
+struct grip {
+    double force[2], torque[2];
+};
+
+/* The work of a group through the contact of grains i and j, of which one is carried by it; its
+ * row. */
+static size_t book_group(const struct rk_scene *scene, struct rk_ledger_rows *rates, size_t i,
+                         size_t j, const struct grip *grip) {
+    const struct rk_grains *g = &scene->grains;
+    const bool first = g->group[i] > 0;
+    const size_t carried = first ? i : j, row = scene->spec.walls + g->group[carried] - 1;
+    const double sign = first ? -1 : 1, torque = grip->torque[first ? 0 : 1];
+    rates->work[row] -= sign * (grip->force[0] * g->vx[carried] + grip->force[1] * g->vy[carried]) +
+                        (g->omega ? torque * g->omega[carried] : 0);
+    return row;
+}
+
 static void book_pairs(const struct rk_scene *scene, const struct rk_contact_law *law,
                        struct rk_ledger_rows *rates) {
     const struct rk_touching *t = &scene->touching;
     const struct rk_grains *g = &scene->grains;
-    size_t row = scene->wall_count;
     for (size_t c = 0; c < t->count; c++) {
         size_t i = t->first[c], j = t->second[c];
         double distance = sqrt(t->d2[c]), nx = t->dx[c] / distance, ny = t->dy[c] / distance;
@@ -56,12 +96,17 @@ static void book_pairs(const struct rk_scene *scene, const struct rk_contact_law
                            .rate = -(ux * nx + uy * ny)};
         m.elastic = elastic_force(law, pair_of(law, material_of(g, i), material_of(g, j)),
                                   reach - distance, g->radius[i] * g->radius[j] / reach);
+        double share = distance / reach, arm_i = g->radius[i] * share, arm_j = g->radius[j] * share;
         if (g->omega) {
-            double share = distance / reach;
-            m.slip = uy * nx - ux * ny - g->radius[i] * share * g->omega[i] -
-                     g->radius[j] * share * g->omega[j];
+            m.slip = uy * nx - ux * ny - arm_i * g->omega[i] - arm_j * g->omega[j];
             m.spin = g->omega[i] - g->omega[j];
             m.roll = law->rolls ? t->history[RK_HISTORY_MOMENT][c] : 0;
+        }
+        size_t row = common_row(scene);
+        if (g->group && g->group[i] + g->group[j] > 0) {
+            const struct grip grip = {{m.fn * nx - m.ft * ny, m.fn * ny + m.ft * nx},
+                                      {-arm_i * m.ft - m.roll, -arm_j * m.ft + m.roll}};
+            row = book_group(scene, rates, i, j, &grip);
         }
         book(rates, row, &m);
     }
@@ -94,10 +139,12 @@ static void book_gravity(const struct rk_scene *scene, struct rk_ledger_rows *ra
     const struct rk_grains *g = &scene->grains;
     double px = 0, py = 0;
     for (size_t i = 0; i < g->count; i++) {
-        px += g->mass[i] * g->vx[i];
-        py += g->mass[i] * g->vy[i];
+        if (!rk_grain_carried(g, i)) {
+            px += g->mass[i] * g->vx[i];
+            py += g->mass[i] * g->vy[i];
+        }
     }
-    rates->work[scene->wall_count] += scene->spec.gravity[0] * px + scene->spec.gravity[1] * py;
+    rates->work[common_row(scene)] += scene->gravity[0] * px + scene->gravity[1] * py;
 }
 
 static void take_rates(struct rk_scene *scene) {
@@ -110,6 +157,17 @@ static void take_rates(struct rk_scene *scene) {
     book_pairs(scene, &law, rates);
     book_walls(scene, &law, rates);
     book_gravity(scene, rates);
+    if (scene->has[RK_IF_GROWS]) {
+        rates->work[growth_row(scene)] = rk_growth_power(scene, &law);
+    }
+}
+
+/* The rates of the radii jump where one comes to its bound: those of the next step. */
+static void turn_to_next_step(struct rk_scene *scene) {
+    struct rk_contact_law law;
+    rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, 1);
+    rk_growth_look_ahead(scene);
+    scene->ledger.rates.work[growth_row(scene)] = rk_growth_power(scene, &law);
 }
 
 /* ---- Sums over time
@@ -122,10 +180,17 @@ static double present_energy(const struct rk_scene *scene) {
 
 void rk_ledger_begin(struct rk_scene *scene) {
     struct rk_ledger_rows *sums = &scene->ledger.sums;
-    for (size_t row = 0; row < scene->ledger.count; row++) {
+    double *start = scene->ledger.start;
+    for (size_t row = 0; start[1] == 0 && row < scene->ledger.count; row++) {
         sums->work[row] = sums->damping[row] = sums->friction[row] = sums->rolling[row] = 0;
     }
-    scene->ledger.start[0] = present_energy(scene);
+    if (start[1] == 0) {
+        start[0] = present_energy(scene);
+        start[1] = 1;
+    }
+    if (scene->has[RK_IF_GROWS]) {
+        rk_growth_look_ahead(scene);
+    }
     take_rates(scene);
 }
 
@@ -145,6 +210,9 @@ void rk_ledger_step(struct rk_scene *scene) {
     add_half_step(scene); /* with the rates at its beginning */
     take_rates(scene);
     add_half_step(scene); /* and at its end */
+    if (scene->has[RK_IF_GROWS]) {
+        turn_to_next_step(scene);
+    }
 }
 
 bool rk_scene_ledger(const struct rk_scene *scene, struct rk_ledger *out) {
@@ -154,26 +222,45 @@ bool rk_scene_ledger(const struct rk_scene *scene, struct rk_ledger *out) {
     const struct rk_ledger_rows *sums = &scene->ledger.sums;
     *out = (struct rk_ledger){.start = scene->ledger.start[0],
                               .energy = present_energy(scene),
-                              .gravity = sums->work[scene->wall_count]};
-    for (size_t row = 0; row <= scene->wall_count; row++) {
-        out->walls += row < scene->wall_count ? sums->work[row] : 0;
+                              .gravity = sums->work[common_row(scene)],
+                              .growth = sums->work[growth_row(scene)]};
+    for (size_t row = 0; row < scene->ledger.count; row++) {
+        if (row < common_row(scene)) {
+            *(row < scene->spec.walls ? &out->walls : &out->groups) += sums->work[row];
+        }
         out->damping += sums->damping[row];
         out->friction += sums->friction[row];
         out->rolling += sums->rolling[row];
     }
-    out->residual = out->energy - out->start - out->gravity - out->walls + out->damping +
-                    out->friction + out->rolling;
+    out->residual = out->energy - out->start - out->gravity - out->walls - out->groups -
+                    out->growth + out->damping + out->friction + out->rolling;
     return true;
 }
 
-double rk_scene_wall_work(const struct rk_scene *scene, size_t wall) {
-    return scene->has[RK_IF_LEDGER] ? scene->ledger.sums.work[wall] : 0;
+static double work_of(const struct rk_scene *scene, size_t row) {
+    return scene->has[RK_IF_LEDGER] ? scene->ledger.sums.work[row] : 0;
 }
 
-double rk_scene_wall_dissipation(const struct rk_scene *scene, size_t wall) {
+static double taken_by(const struct rk_scene *scene, size_t row) {
     const struct rk_ledger_rows *sums = &scene->ledger.sums;
     if (!scene->has[RK_IF_LEDGER]) {
         return 0;
     }
-    return sums->damping[wall] + sums->friction[wall] + sums->rolling[wall];
+    return sums->damping[row] + sums->friction[row] + sums->rolling[row];
+}
+
+double rk_scene_wall_work(const struct rk_scene *scene, size_t wall) {
+    return work_of(scene, wall);
+}
+
+double rk_scene_wall_dissipation(const struct rk_scene *scene, size_t wall) {
+    return taken_by(scene, wall);
+}
+
+double rk_scene_group_work(const struct rk_scene *scene, size_t group) {
+    return work_of(scene, scene->spec.walls + group - 1);
+}
+
+double rk_scene_group_dissipation(const struct rk_scene *scene, size_t group) {
+    return taken_by(scene, scene->spec.walls + group - 1);
 }

@@ -1,7 +1,8 @@
 /* The energy ledger: what came in, what was taken, and whether it adds up.
  *
  *     d/dt (kinetic + rotational + normal springs)
- *         = work of gravity + work of walls - taken by damping, friction and rolling resistance
+ *         = work of gravity, walls, groups and growth - taken by damping, friction and rolling
+ * resistance
  *
  * What tangential and rolling springs hold counts as taken: some of it may come back.
  *
@@ -9,8 +10,12 @@
  * the trapezoidal rule, second order like the integrator. What is left over, the residual, is the
  * discretisation's own error: it shrinks with dt^2.
  *
+ * Grains of groups are not among those whose energy counts: what the group they are of does to the
+ * others is its work, -(F.v + T omega) of each contact, F and T the force and torque on such a
+ * grain and v, omega its velocity and spin.
+ *
  * Optional (spec.ledger): a scene without it has no array and no loop of it. Its rows are one for
- * each wall and a last one for the contacts of pairs and for gravity.
+ * each mover (engine/movers.h) and two more, of pairs and gravity, and of growth.
  */
 #ifndef RK_ENGINE_LEDGER_H
 #define RK_ENGINE_LEDGER_H
@@ -20,7 +25,10 @@
 
 enum rk_status rk_ledger_create(struct rk_scene *scene, struct rk_error *err);
 
-/* Begin anew from the present state. */
+/* The present energy is no longer what came of the accounts: begin anew at the next first step. */
+void rk_ledger_forget(struct rk_scene *scene);
+
+/* Forces belong to the present state: begin from it, or go on. */
 void rk_ledger_begin(struct rk_scene *scene);
 
 /* After a step of spec.dt: rates of the new state, integrated over the step. */

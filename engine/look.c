@@ -1,5 +1,7 @@
 /* Looking at a scene: everything here takes it as const. */
+#include "engine/body.h"
 #include "engine/contact.h"
+#include "engine/groups.h"
 #include "engine/order.h"
 #include "engine/scene.h"
 
@@ -25,6 +27,11 @@ const struct rk_scene_spec *rk_scene_spec(const struct rk_scene *scene) {
     return &scene->spec;
 }
 
+void rk_scene_gravity(const struct rk_scene *scene, double gravity[2]) {
+    gravity[0] = scene->gravity[0];
+    gravity[1] = scene->gravity[1];
+}
+
 bool rk_scene_rotates(const struct rk_scene *scene) {
     return scene->has[RK_IF_ROTATES];
 }
@@ -48,6 +55,8 @@ enum rk_status rk_scene_grain(const struct rk_scene *scene, uint32_t tag, struct
         .mass = g->mass[i],
         .held = g->inverse_mass[i] == 0,
         .material = g->material ? g->material[i] : 0,
+        .group = g->group ? g->group[i] : 0,
+        .growth = g->growth ? g->growth[i] : 0,
     };
     return RK_OK;
 }
@@ -115,20 +124,29 @@ void rk_scene_contact(const struct rk_scene *scene, size_t i, struct rk_contact 
     };
 }
 
-void rk_scene_wall(const struct rk_scene *scene, size_t wall, double displacement[2],
-                   double velocity[2], double force[2]) {
-    const struct rk_wall *w = &scene->walls[wall];
+static void report(const struct rk_mover *mover, double displacement[2], double velocity[2],
+                   double force[2]) {
     for (int k = 0; k < 2; k++) {
         if (displacement) {
-            displacement[k] = w->pose.shift[k];
+            displacement[k] = mover->pose.shift[k];
         }
         if (velocity) {
-            velocity[k] = w->pose.velocity[k];
+            velocity[k] = mover->pose.velocity[k];
         }
         if (force) {
-            force[k] = w->force[k];
+            force[k] = mover->force[k];
         }
     }
+}
+
+void rk_scene_wall(const struct rk_scene *scene, size_t wall, double displacement[2],
+                   double velocity[2], double force[2]) {
+    report(&scene->walls[wall].mover, displacement, velocity, force);
+}
+
+void rk_scene_group(const struct rk_scene *scene, size_t group, double displacement[2],
+                    double velocity[2], double force[2]) {
+    report(&scene->groups[group - 1].mover, displacement, velocity, force);
 }
 
 /* Energy of the normal spring of a contact, and of those that friction and rolling wind up. */
@@ -188,12 +206,14 @@ struct rk_energy rk_scene_energy(const struct rk_scene *scene) {
     struct rk_energy energy = {0};
     add_springs(scene, &energy);
     for (size_t i = 0; i < g->count; i++) {
+        if (rk_grain_carried(g, i)) {
+            continue;
+        }
         energy.kinetic += 0.5 * g->mass[i] * (g->vx[i] * g->vx[i] + g->vy[i] * g->vy[i]);
         energy.gravitational -=
-            g->mass[i] * (scene->spec.gravity[0] * g->x[i] + scene->spec.gravity[1] * g->y[i]);
+            g->mass[i] * (scene->gravity[0] * g->x[i] + scene->gravity[1] * g->y[i]);
         if (g->omega) {
-            double inertia = 0.5 * g->mass[i] * g->radius[i] * g->radius[i];
-            energy.rotational += 0.5 * inertia * g->omega[i] * g->omega[i];
+            energy.rotational += 0.5 * rk_grain_inertia(scene, i) * g->omega[i] * g->omega[i];
         }
     }
     return energy;
@@ -227,6 +247,8 @@ size_t rk_scene_memory(const struct rk_scene *scene) {
     size_t grain = (9 + RK_FORCE_WIDTH + RK_MOTION_WIDTH) * real + 5 * index;
     grain += scene->has[RK_IF_ROTATES] ? 4 * real : 0;
     grain += scene->has[RK_IF_MIXED] ? index : 0;
+    grain += scene->has[RK_IF_GROWS] ? 2 * index + 2 * real : 0;
+    grain += scene->has[RK_IF_GROUPS] ? 2 * index + 3 * real : 0;
     grain += scene->has[RK_IF_IMPLICIT] ? (1 + RK_FORCE_WIDTH) * real : 0;
     grain += scene->has[RK_IF_DERIVED] ? 4 * real : 0;
     grain += scene->has[RK_IF_DERIVED_TURN] ? 2 * real : 0;
@@ -240,7 +262,8 @@ size_t rk_scene_memory(const struct rk_scene *scene) {
     size_t bytes = sizeof *scene + grain * scene->grains.capacity + pair * scene->pairs.capacity +
                    close * scene->close_capacity + near->found_capacity * sizeof(uint64_t) +
                    near->cell_capacity * index + scene->wall_touching.capacity * (touch + index) +
-                   scene->ledger.count * 9 * real + scene->spec.walls * sizeof *scene->walls;
+                   scene->ledger.count * 9 * real + scene->spec.walls * sizeof *scene->walls +
+                   scene->spec.groups * sizeof *scene->groups;
     for (size_t w = 0; w < scene->wall_count; w++) {
         const struct rk_wall *wall = &scene->walls[w];
         bytes += wall->near.capacity * (2 * index + RK_HISTORIES * real + 2) +

@@ -3,6 +3,8 @@
 #include "base/memory.h"
 #include "engine/close.h"
 #include "engine/fields.h"
+#include "engine/groups.h"
+#include "engine/growth.h"
 #include "engine/shares.h"
 
 #include <math.h>
@@ -42,11 +44,22 @@ static double list_skin(const struct rk_scene *scene) {
 bool rk_bounds_within(const struct rk_bounds *moved, double reach) {
     double wide = moved->high[0] - moved->low[0], tall = moved->high[1] - moved->low[1];
     reach *= 1 - 1e-9; /* rounding of the displacements */
-    return wide * wide + tall * tall <= reach * reach;
+    return reach >= 0 && wide * wide + tall * tall <= reach * reach;
+}
+
+void rk_neighbours_note_moves(struct rk_scene *scene, const struct rk_bounds *moves) {
+    struct rk_bounds *const since[2] = {&scene->neighbours.moved, &scene->neighbours.crept};
+    for (int s = 0; s < 2; s++) {
+        for (int k = 0; k < 2; k++) {
+            since[s]->low[k] += moves->low[k];
+            since[s]->high[k] += moves->high[k];
+        }
+    }
 }
 
 bool rk_neighbours_hold(const struct rk_scene *scene) {
-    return scene->neighbours.valid && rk_bounds_within(&scene->neighbours.moved, list_skin(scene));
+    const struct rk_neighbours *near = &scene->neighbours;
+    return near->valid && rk_bounds_within(&near->moved, list_skin(scene) - near->grown);
 }
 
 double rk_neighbours_close_skin(const struct rk_scene *scene) {
@@ -388,6 +401,16 @@ static void measure_pairs(struct rk_scene *scene) {
     }
 }
 
+void rk_neighbours_swell(struct rk_scene *scene, double most) {
+    struct rk_pairs *pairs = &scene->pairs;
+    const double *radius = scene->grains.radius;
+    scene->neighbours.grown += 2 * most;
+    scene->neighbours.swollen = true;
+    for (size_t p = 0; scene->neighbours.valid && p < pairs->count; p++) {
+        pairs->reach[p] = radius[pairs->first[p]] + radius[pairs->second[p]];
+    }
+}
+
 /* Both lists are in the same order: one walk along them hands over what contacts remember. */
 static void carry_history(struct rk_scene *scene) {
     struct rk_pairs *pairs = &scene->pairs;
@@ -423,6 +446,9 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
                             .skin = method->list ? list_skin(scene) : INFINITY};
     enum rk_status status =
         method->cells ? find_by_cells(scene, &search, err) : find_by_looking(scene, &search, err);
+    if (status == RK_OK && scene->has[RK_IF_GROUPS]) {
+        search.count = rk_groups_drop_pairs(scene, near->found, search.count);
+    }
     if (status == RK_OK && search.count >= UINT32_MAX) {
         status = rk_fail(err, RK_EMEMORY, "%zu neighbour pairs are more than can be numbered",
                          search.count);
@@ -441,6 +467,7 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
         carry_history(scene);
     }
     near->moved = (struct rk_bounds){{0, 0}, {0, 0}};
+    near->grown = 0;
     near->valid = true;
     near->close_valid = false;
     for (size_t w = 0; w < scene->wall_count; w++) {
@@ -453,6 +480,21 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
 static int compare_real(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
+}
+
+/* The smallest and the two largest radii, of grains that grow the bounds. */
+static void measure_extremes(struct rk_scene *scene) {
+    struct rk_neighbours *near = &scene->neighbours;
+    double least = INFINITY, most = 0, second = 0;
+    for (size_t i = 0; i < scene->grains.count; i++) {
+        double small = rk_growth_least(scene, i), large = rk_growth_most(scene, i);
+        least = small < least ? small : least;
+        second = large > most ? most : (large > second ? large : second);
+        most = large > most ? large : most;
+    }
+    near->smallest = isfinite(least) ? least : 0.5;
+    near->widest = most;
+    near->largest = second > 0 ? most + second : 0;
 }
 
 enum rk_status rk_neighbours_prepare(struct rk_scene *scene, struct rk_error *err) {
@@ -469,9 +511,8 @@ enum rk_status rk_neighbours_prepare(struct rk_scene *scene, struct rk_error *er
     for (size_t i = 0; i < n && radii[i] <= 1.5 * quartile; i++) {
         near->bulk_radius = radii[i];
     }
-    near->smallest = n ? radii[0] : 0.5;
-    near->largest = n > 1 ? radii[n - 1] + radii[n - 2] : 0;
     free(radii);
+    measure_extremes(scene);
     near->cell = 2 * near->bulk_radius + scene->spec.accuracy.skin;
     near->valid = false;
     double period = scene->spec.period_x, reach = near->largest + scene->spec.accuracy.skin;

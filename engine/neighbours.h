@@ -2,7 +2,8 @@
  *
  * A pair is listed if its gap is below `skin`. The list holds as long as the bounding box of all
  * displacements since the build has a diagonal below `skin`: two grains cannot have approached by
- * more. A bed that is thrown up as a whole moves the box, not its diagonal, and costs no rebuild.
+ * more. Radii that grow take their share of the skin. A bed that is thrown up as a whole moves the
+ * box, not its diagonal, and costs no rebuild.
  *
  * Methods differ in how they search, never in what they find: pairs are always in the order of
  * (first, second), and touching is decided by the same comparison, so all give the same bytes.
@@ -24,8 +25,14 @@ double rk_neighbours_close_skin(const struct rk_scene *scene);
 /* Can two grains have come nearer by no more than `reach`? */
 bool rk_bounds_within(const struct rk_bounds *moved, double reach);
 
+/* All grains have moved within these bounds. */
+void rk_neighbours_note_moves(struct rk_scene *scene, const struct rk_bounds *moves);
+
 /* Does the list still hold? */
 bool rk_neighbours_hold(const struct rk_scene *scene);
+
+/* Radii have changed, none by more than `most` upwards. */
+void rk_neighbours_swell(struct rk_scene *scene, double most);
 
 /* Renew the list from the present positions; tangential forces follow their pairs. */
 enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err);

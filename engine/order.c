@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "engine/fields.h"
+#include "engine/neighbours.h"
 #include "engine/walls.h"
 
 #include <math.h>
@@ -98,6 +99,9 @@ enum rk_status rk_order_renew(struct rk_scene *scene, struct rk_error *err) {
     } else {
         for (size_t i = 0; i < n; i++) {
             g->x[i] = rk_wrap(g->x[i], scene->spec.period_x);
+        }
+        if (scene->has[RK_IF_GROWS]) { /* the order depends on sizes: on those of this moment */
+            status = rk_neighbours_prepare(scene, err);
         }
         rank(scene, places);
         for (size_t i = 0; i < n; i++) {

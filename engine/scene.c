@@ -1,13 +1,18 @@
 #include "engine/scene.h"
 
 #include "base/memory.h"
+#include "engine/body.h"
 #include "engine/close.h"
 #include "engine/contact.h"
 #include "engine/fields.h"
+#include "engine/gravity.h"
+#include "engine/groups.h"
+#include "engine/growth.h"
 #include "engine/health.h"
 #include "engine/integrator.h"
 #include "engine/kernel.h"
 #include "engine/ledger.h"
+#include "engine/movers.h"
 #include "engine/neighbours.h"
 #include "engine/order.h"
 #include "engine/shares.h"
@@ -66,15 +71,19 @@ static enum rk_status check_spec(const struct rk_scene_spec *spec, struct rk_err
         return rk_fail(err, RK_EINVALID, "%zu walls are too many, at most %zu", spec->walls,
                        RK_WALLS_MAX);
     }
+    if (spec->groups > RK_GROUPS_MAX) {
+        return rk_fail(err, RK_EINVALID, "%zu groups are too many, at most %zu", spec->groups,
+                       RK_GROUPS_MAX);
+    }
     if (!(spec->dt > 0) || !isfinite(spec->dt)) {
         return rk_fail(err, RK_EINVALID, "the time step must be above 0, it is %g", spec->dt);
     }
     if (!(spec->smallest > 0) || !(spec->gamma >= 0) || !(spec->contact.kn > 0) ||
         !(spec->accuracy.skin > 0) || !(spec->period_x >= 0) || !isfinite(spec->period_x) ||
-        !isfinite(spec->gravity[0]) || !isfinite(spec->gravity[1]) || spec->health.every == 0) {
+        spec->health.every == 0) {
         return rk_fail(err, RK_EINVALID,
                        "a scene needs a smallest mass, stiffness and skin above 0, damping and "
-                       "period not below 0, finite gravity and a health check now and then");
+                       "period not below 0 and a health check now and then");
     }
     return RK_OK;
 }
@@ -168,10 +177,23 @@ bool rk_scene_knows(const struct rk_scene *scene, int history) {
     return scene->has[needs[history]];
 }
 
+static struct rk_gravity_spec pull_of(const struct rk_scene_spec *spec) {
+    struct rk_gravity_spec pull = spec->pull;
+    if (!pull.kind) {
+        pull = (struct rk_gravity_spec){.kind = &rk_gravity_constant.piece,
+                                        .first = {spec->gravity[0], spec->gravity[1]}};
+    }
+    return pull;
+}
+
 enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene **scene,
                                struct rk_error *err) {
     *scene = NULL;
+    struct rk_gravity_spec pull = pull_of(spec);
     enum rk_status status = check_spec(spec, err);
+    if (status == RK_OK && rk_gravity_of(&pull)->fault(&pull)) {
+        status = rk_fail(err, RK_EINVALID, "%s", rk_gravity_of(&pull)->fault(&pull));
+    }
     if (status == RK_OK) {
         status = check_numbers(spec, err);
     }
@@ -208,6 +230,10 @@ enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene
     if (!new->spec.accuracy.integrator) {
         new->spec.accuracy.integrator = &rk_integrator_verlet.piece;
     }
+    if (!new->spec.body) {
+        new->spec.body = &rk_body_disc.piece;
+    }
+    new->spec.pull = pull;
     if (!new->spec.contact.rolling) {
         new->spec.contact.rolling = &rk_rolling_none;
     }
@@ -231,6 +257,8 @@ void rk_scene_free(struct rk_scene *scene) {
     rk_close_free(scene);
     rk_shares_free(scene);
     rk_walls_free(scene);
+    rk_groups_free(scene);
+    rk_growth_free(scene);
     rk_fields_free(scene, &rk_grain_fields);
     rk_fields_free(scene, &rk_contact_fields);
     rk_fields_free(scene, &rk_wall_contact_fields);
@@ -242,173 +270,6 @@ void rk_scene_free(struct rk_scene *scene) {
     free(scene->grains.spread);
     free(scene->index_of);
     free(scene);
-}
-
-/* ---- Grains and walls ---------------------------------------------------------------------------
- */
-
-enum rk_status rk_scene_add_material(struct rk_scene *scene, const struct rk_material *properties,
-                                     size_t *material, struct rk_error *err) {
-    const double *numbers = &properties->kn;
-    if (scene->material_count == RK_MATERIALS_MAX) {
-        return rk_fail(err, RK_EINVALID, "a scene has room for %zu materials", RK_MATERIALS_MAX);
-    }
-    if (scene->grains.count > 0) {
-        return rk_fail(err, RK_EINVALID, "materials are added before the grains");
-    }
-    for (size_t k = 0; k < sizeof *properties / sizeof(double); k++) {
-        if (!(numbers[k] >= 0) || !isfinite(numbers[k])) {
-            return rk_fail(err, RK_EINVALID,
-                           "the numbers of a material must be finite and not below 0, number %zu "
-                           "is %g",
-                           k, numbers[k]);
-        }
-    }
-    scene->has[RK_IF_MIXED] = true;
-    enum rk_status status = rk_fields_resize(scene, &rk_grain_fields, scene->spec.grains, err);
-    if (status == RK_OK) {
-        *material = scene->material_count;
-        scene->materials[scene->material_count++] = *properties;
-    }
-    return status;
-}
-
-static enum rk_status check_grain(const struct rk_scene *scene, const struct rk_grain *grain,
-                                  struct rk_error *err) {
-    const struct rk_grains *g = &scene->grains;
-    if (g->count == g->capacity) {
-        return rk_fail(err, RK_EINVALID, "the scene was made for %zu grains and is full",
-                       g->capacity);
-    }
-    double sum = grain->x + grain->y + grain->vx + grain->vy + grain->angle + grain->omega;
-    if (!isfinite(sum)) {
-        return rk_fail(err, RK_EINVALID, "grain %zu has a position or velocity that is no number",
-                       g->count);
-    }
-    if (!(grain->radius > 0) || !isfinite(grain->radius) || !(grain->mass > 0) ||
-        !isfinite(grain->mass)) {
-        return rk_fail(err, RK_EINVALID,
-                       "grain %zu has radius %g and mass %g; both must be above 0 and finite",
-                       g->count, grain->radius, grain->mass);
-    }
-    if (grain->material >= scene->material_count) {
-        return rk_fail(err, RK_EINVALID, "grain %zu is of material %zu, the scene has %zu",
-                       g->count, grain->material, scene->material_count);
-    }
-    if (grain->mass < scene->spec.smallest * (1 - 1e-12)) {
-        return rk_fail(err, RK_EINVALID,
-                       "grain %zu has mass %g, below the smallest mass %g that the damping and the "
-                       "time step were chosen for",
-                       g->count, grain->mass, scene->spec.smallest);
-    }
-    return RK_OK;
-}
-
-enum rk_status rk_scene_add_grain(struct rk_scene *scene, const struct rk_grain *grain,
-                                  struct rk_error *err) {
-    enum rk_status status = check_grain(scene, grain, err);
-    if (status) {
-        return status;
-    }
-    struct rk_grains *g = &scene->grains;
-    size_t i = g->count++;
-    g->x[i] = grain->x;
-    g->y[i] = grain->y;
-    g->vx[i] = grain->held ? 0 : grain->vx;
-    g->vy[i] = grain->held ? 0 : grain->vy;
-    g->ax[i] = g->ay[i] = 0;
-    g->radius[i] = grain->radius;
-    g->mass[i] = grain->mass;
-    g->inverse_mass[i] = grain->held ? 0 : 1 / grain->mass;
-    g->tag[i] = (uint32_t)i;
-    if (g->material) {
-        g->material[i] = (uint32_t)grain->material;
-    }
-    if (scene->has[RK_IF_ROTATES]) {
-        g->angle[i] = grain->angle;
-        g->omega[i] = grain->held ? 0 : grain->omega;
-        g->alpha[i] = 0;
-        g->inverse_inertia[i] = grain->held ? 0 : 2 / (grain->mass * grain->radius * grain->radius);
-    }
-    scene->ready = false;
-    scene->primed = 0;
-    return RK_OK;
-}
-
-enum rk_status rk_scene_add_wall(struct rk_scene *scene, const struct rk_wall_spec *wall,
-                                 struct rk_error *err) {
-    if (scene->wall_count == scene->spec.walls) {
-        return rk_fail(err, RK_EINVALID, "the scene was made for %zu walls and is full",
-                       scene->spec.walls);
-    }
-    if (wall->material >= scene->material_count) {
-        return rk_fail(err, RK_EINVALID, "a wall is of material %zu, the scene has %zu",
-                       wall->material, scene->material_count);
-    }
-    enum rk_status status = rk_walls_add(scene, wall, err);
-    if (status == RK_OK) {
-        rk_walls_move(scene, rk_scene_time(scene));
-    }
-    return status;
-}
-
-enum rk_status rk_scene_set_drive(struct rk_scene *scene, size_t wall,
-                                  const struct rk_drive_spec *drive, struct rk_error *err) {
-    if (wall >= scene->wall_count) {
-        return rk_fail(err, RK_EINVALID, "there is no wall %zu, the scene has %zu", wall,
-                       scene->wall_count);
-    }
-    enum rk_status status = rk_walls_set_drive(scene, wall, drive, err);
-    if (status == RK_OK) {
-        scene->primed = 0;
-        rk_walls_move(scene, rk_scene_time(scene));
-    }
-    return status;
-}
-
-enum rk_status rk_scene_restart_clock(struct rk_scene *scene, double dt, struct rk_error *err) {
-    if (!(dt > 0) || !isfinite(dt)) {
-        return rk_fail(err, RK_EINVALID, "the time step must be above 0, it is %g", dt);
-    }
-    scene->spec.dt = dt;
-    scene->steps = 0;
-    scene->primed = 0; /* the walls jump: accelerations are of another moment */
-    rk_walls_move(scene, 0);
-    return RK_OK;
-}
-
-void rk_scene_slow_down(struct rk_scene *scene, double keep) {
-    struct rk_grains *g = &scene->grains;
-    for (size_t i = 0; i < g->count; i++) {
-        g->vx[i] *= keep;
-        g->vy[i] *= keep;
-        if (scene->has[RK_IF_ROTATES]) {
-            g->omega[i] *= keep;
-        }
-    }
-}
-
-enum rk_status rk_scene_hold(struct rk_scene *scene, uint32_t tag, bool held,
-                             struct rk_error *err) {
-    size_t i = rk_scene_index(scene, tag);
-    if (i == SIZE_MAX) {
-        return rk_fail(err, RK_EINVALID, "there is no grain %u, the scene has %zu", tag,
-                       scene->grains.count);
-    }
-    struct rk_grains *g = &scene->grains;
-    g->inverse_mass[i] = held ? 0 : 1 / g->mass[i];
-    g->vx[i] = g->vy[i] = g->ax[i] = g->ay[i] = 0;
-    scene->primed = 0;
-    if (scene->has[RK_IF_ROTATES]) {
-        g->inverse_inertia[i] = held ? 0 : 2 / (g->mass[i] * g->radius[i] * g->radius[i]);
-        g->omega[i] = g->alpha[i] = 0;
-    }
-    return RK_OK;
-}
-
-void rk_scene_set_neighbours(struct rk_scene *scene, const struct rk_piece *method) {
-    scene->spec.accuracy.neighbour = method;
-    scene->neighbours.valid = false;
 }
 
 /* ---- Stepping
@@ -463,6 +324,9 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
     rk_shares_push(scene, law);
     since = tick(scene, RK_PHASE_PUSH, since);
     enum rk_status status = rk_walls_push(scene, law, err);
+    if (scene->has[RK_IF_GROUPS]) {
+        rk_groups_gather(scene);
+    }
     tick(scene, RK_PHASE_WALLS, since);
     scene->profile.pairs += scene->pairs.count;
     for (size_t t = 0; t < scene->share_count; t++) {
@@ -476,7 +340,7 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
 enum rk_status rk_scene_add_forces(struct rk_scene *scene, double dt, struct rk_error *err) {
     struct rk_contact_law law;
     rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, dt);
-    scene->kernel->ready(&scene->grains, 0, scene->grains.count, scene->spec.gravity);
+    scene->kernel->ready(&scene->grains, 0, scene->grains.count, scene->gravity);
     return add_forces(scene, &law, err);
 }
 
@@ -484,7 +348,7 @@ enum rk_status rk_scene_add_forces(struct rk_scene *scene, double dt, struct rk_
  * tangential force builds up. */
 static enum rk_status prime(struct rk_scene *scene, struct rk_error *err) {
     const struct rk_integrator *integrator = rk_integrator_of(scene->spec.accuracy.integrator);
-    rk_walls_move(scene, rk_scene_time(scene));
+    rk_scene_pose(scene, rk_scene_time(scene));
     enum rk_status status = rk_walls_fit_period(scene, err);
     if (status == RK_OK) {
         status = rk_scene_add_forces(scene, 0, err);
@@ -528,6 +392,12 @@ void rk_scene_index_tags(struct rk_scene *scene) {
     for (size_t i = 0; i < scene->grains.count; i++) {
         scene->index_of[scene->grains.tag[i]] = (uint32_t)i;
     }
+    if (scene->has[RK_IF_GROUPS]) {
+        rk_groups_index(scene);
+    }
+    if (scene->has[RK_IF_GROWS]) {
+        rk_growth_index(scene);
+    }
 }
 
 /* How far a call has come. */
@@ -541,6 +411,20 @@ struct progress {
 static bool goes_on(const struct rk_scene *scene, enum rk_scheme scheme, const struct progress *p) {
     return scene->kernel->advance[scheme] && p->left > 0 && !scene->has[RK_IF_LEDGER] &&
            scene->steps % RK_ORDER_EVERY != 0 && !rk_health_due(scene, &p->move);
+}
+
+/* What follows from the time alone. The layout that the predictor made for the forces is renewed
+ * where something in it has changed since: places, masses or gravity. */
+static void pose_next(struct rk_scene *scene) {
+    const double before[2] = {scene->gravity[0], scene->gravity[1]};
+    rk_scene_pose(scene, (double)(scene->steps + 1) * scene->spec.dt);
+    if (scene->has[RK_IF_GROWS]) {
+        rk_growth_step(scene);
+    }
+    if (scene->has[RK_IF_GROUPS] || scene->has[RK_IF_GROWS] || before[0] != scene->gravity[0] ||
+        before[1] != scene->gravity[1]) {
+        scene->kernel->ready(&scene->grains, 0, scene->grains.count, scene->gravity);
+    }
 }
 
 /* Before the forces of a step: order, grains and walls. */
@@ -565,7 +449,7 @@ static enum rk_status begin_step(struct rk_scene *scene, enum rk_scheme scheme, 
     if (scene->has[RK_IF_LIDS]) {
         rk_lids_predict(scene);
     }
-    rk_walls_move(scene, (double)(scene->steps + 1) * scene->spec.dt);
+    pose_next(scene);
     tick(scene, RK_PHASE_MOVE, since);
     return RK_OK;
 }

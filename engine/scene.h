@@ -38,6 +38,9 @@ enum rk_need {
     RK_IF_IMPLICIT,     /* the integrator remembers normal forces */
     RK_IF_DERIVED,      /* the integrator keeps third and fourth derivatives */
     RK_IF_DERIVED_TURN, /* and something rotates */
+    RK_IF_GROUPS,       /* some grains are carried by drives */
+    RK_IF_GROUPS_TURN,  /* and something rotates */
+    RK_IF_GROWS,        /* radii change */
     RK_NEEDS
 };
 
@@ -51,8 +54,12 @@ struct rk_grains {
     double *jerk, *snap;       /* of the angle */
     uint32_t *tag;
     uint32_t *material; /* NULL where there is one material only */
-    double *force;      /* [capacity][RK_FORCE_WIDTH], scratch of a step */
-    double *motion;     /* [capacity][RK_MOTION_WIDTH], what the forces were evaluated with */
+    uint32_t *group;    /* 0, or 1 + the number of the group that carries it; NULL without groups */
+    uint32_t *growth;   /* 0, or 1 + the number of its growth; NULL where none grows */
+    double *density;    /* m = density R^2 (disc) or R^3 (sphere); likewise */
+    double *home_x, *home_y, *home_angle; /* where the group's frame has it */
+    double *force;                        /* [capacity][RK_FORCE_WIDTH], scratch of a step */
+    double *motion; /* [capacity][RK_MOTION_WIDTH], what the forces were evaluated with */
     double *ease;   /* how easily its contacts move a grain, scratch of an implicit step; or NULL */
     double *spread; /* [capacity][RK_FORCE_WIDTH], scratch for that */
 };
@@ -119,10 +126,13 @@ struct rk_neighbours {
     struct rk_bounds moved; /* since then */
     bool close_valid;
     struct rk_bounds crept; /* since the close ones were picked */
+    double grown;           /* since the build, two of the grains that grow most together */
+    bool swollen;           /* some radius has changed since the close ones were picked */
     double cell;            /* side of a cell */
     double bulk_radius;     /* grains up to this fit the cells; larger ones search further */
-    double largest;         /* the largest sum of two radii */
-    double smallest;        /* the smallest radius */
+    double largest;         /* the largest sum of two radii, of grains grown up */
+    double widest;          /* the largest radius, likewise */
+    double smallest;        /* the smallest radius that a grain may come to */
     uint64_t *found;        /* scratch: pairs as first << 32 | second */
     size_t found_capacity;
     uint32_t *cell_start, *cell_of, *in_cell; /* scratch: counting sort into cells */
@@ -137,6 +147,14 @@ struct rk_pose {
     double cosine, sine;
 };
 
+/* What a wall and a group of grains have in common: engine/movers.h. */
+struct rk_mover {
+    struct rk_drive_spec drive;
+    double pivot[2];
+    struct rk_pose pose;
+    double force[2]; /* of the grains on it */
+};
+
 /* What may touch a wall before its list is renewed, in the order of (primitive, grain). */
 struct rk_near {
     size_t count, capacity;
@@ -145,6 +163,7 @@ struct rk_near {
     uint8_t *before, *now;         /* touching in the last step, in this one */
     bool valid;
     struct rk_bounds moved; /* of the neighbours when it was built, and the wall's pose */
+    double grown;           /* of the neighbours, likewise */
     struct rk_pose pose;
     double at; /* of a line: normal . at */
 };
@@ -160,16 +179,22 @@ struct rk_wall_index {
 
 struct rk_wall {
     struct rk_wall_index index; /* empty for a line */
-    struct rk_wall_spec spec;   /* without the vertices */
+    struct rk_wall_spec spec;   /* without the vertices; drive and pivot are the mover's */
+    struct rk_mover mover;
     struct rk_primitive *primitives;
     size_t primitive_count;
-    bool line;     /* its one primitive is a line */
-    bool ring;     /* the last primitive is joined to the first */
-    double extent; /* the largest distance from the pivot */
-    struct rk_pose pose;
+    bool line;               /* its one primitive is a line */
+    bool ring;               /* the last primitive is joined to the first */
+    double extent;           /* the largest distance from the pivot */
     double at[2], normal[2]; /* of a line, at present */
-    double force[2];         /* of the grains on it */
     struct rk_near near;
+};
+
+/* Grains that a drive carries: engine/groups.h. */
+struct rk_group {
+    struct rk_mover mover;
+    size_t material;
+    double torque; /* of the grains on it, about the pivot */
 };
 
 /* Wall contacts of the last step, by wall, primitive, grain. Capacities are whole vectors. */
@@ -192,12 +217,13 @@ struct rk_ledger_rows {
 };
 
 struct rk_ledger_state {
-    size_t count; /* one for each wall there may be, one for pairs and gravity */
+    size_t count; /* one for each mover there may be, one for pairs and gravity, one for growth */
     struct rk_ledger_rows sums, rates;
-    double *start; /* [0]: kinetic, rotational and elastic energy at the beginning */
+    double *start; /* [0]: kinetic, rotational and elastic energy at the beginning; [1]: 1 once it
+                    * has been taken */
 };
 
-/* The lids among the walls: an entry for each wall there may be, none without lids. */
+/* The lids among the movers: an entry for each mover there may be, none without lids. */
 struct rk_lids {
     size_t count;
     double *position, *velocity, *acceleration; /* along the drive's direction */
@@ -228,8 +254,18 @@ struct rk_scene {
     struct rk_wall *walls;
     size_t wall_count;
     struct rk_wall_touching wall_touching;
+    struct rk_group *groups; /* NULL without */
+    size_t group_count;
+    uint32_t *carried; /* places in the order of all grains of groups, ascending */
+    size_t carried_count;
+    struct rk_growth_spec growths[RK_GROWTHS_MAX];
+    size_t growth_count;
+    uint32_t *growing; /* places in the order of all grains that grow, ascending */
+    size_t growing_count;
+    double *swelling; /* [grain] scratch: rate of the radius, of those that grow */
     struct rk_lids lids;
     struct rk_ledger_state ledger;
+    double gravity[2]; /* of the present moment */
     uint64_t (*now)(void);
     struct rk_profile profile;
 };

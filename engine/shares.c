@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "engine/close.h"
 #include "engine/kernel.h"
+#include "engine/neighbours.h"
 
 #include <omp.h>
 #include <stdlib.h>
@@ -55,7 +56,6 @@ enum rk_status rk_shares_cut(struct rk_scene *scene, struct rk_error *err) {
 
 /* The bounds of all grains' moves from those of the threads', added to those since the build. */
 static struct rk_bounds gather_moves(struct rk_scene *scene) {
-    struct rk_bounds *moved = &scene->neighbours.moved, *crept = &scene->neighbours.crept;
     struct rk_bounds most = scene->shares[0].moved;
     if (scene->grains.count == 0) {
         return (struct rk_bounds){{0, 0}, {0, 0}};
@@ -63,12 +63,7 @@ static struct rk_bounds gather_moves(struct rk_scene *scene) {
     for (size_t t = 1; t < scene->share_count; t++) {
         rk_bounds_join(&most, &scene->shares[t].moved);
     }
-    for (int k = 0; k < 2; k++) {
-        moved->low[k] += most.low[k];
-        moved->high[k] += most.high[k];
-        crept->low[k] += most.low[k];
-        crept->high[k] += most.high[k];
-    }
+    rk_neighbours_note_moves(scene, &most);
     return most;
 }
 
@@ -77,7 +72,7 @@ enum pass { PREDICT, CORRECT, ADVANCE };
 static struct rk_bounds move(struct rk_scene *scene, enum pass pass, enum rk_scheme scheme,
                              double dt) {
     const struct rk_kernel *kernel = scene->kernel;
-    const double *gravity = scene->spec.gravity;
+    const double *gravity = scene->gravity;
     struct rk_grains *g = &scene->grains;
     size_t blocks = (g->count + RK_BLOCK - 1) / RK_BLOCK, threads = scene->share_count;
 #pragma omp parallel for num_threads((int)threads) schedule(static) if (threads > 1)
@@ -127,11 +122,12 @@ void rk_shares_pick(struct rk_scene *scene) {
     }
     scene->neighbours.crept = (struct rk_bounds){{0, 0}, {0, 0}};
     scene->neighbours.close_valid = true;
+    scene->neighbours.swollen = false;
     scene->profile.picks++;
 }
 
 void rk_shares_touch(struct rk_scene *scene) {
-    scene->kernel->ready(&scene->grains, 0, scene->grains.count, scene->spec.gravity);
+    scene->kernel->ready(&scene->grains, 0, scene->grains.count, scene->gravity);
     rk_shares_pick(scene);
     scene->scattered = true;
     rk_shares_gather(scene);

@@ -1,8 +1,10 @@
 /* The state of a scene as a block of bytes, and back: everything that the field tables declare. */
 #include "base/memory.h"
 #include "engine/fields.h"
+#include "engine/growth.h"
 #include "engine/integrator.h"
 #include "engine/kernel.h"
+#include "engine/movers.h"
 #include "engine/neighbours.h"
 #include "engine/scene.h"
 #include "engine/shares.h"
@@ -162,6 +164,16 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
         if (g->material && g->material[i] >= scene->material_count) {
             return damaged(err, "a grain is of a material that is not there");
         }
+        if (g->group &&
+            (g->group[i] > scene->group_count || !isfinite(g->home_x[i] + g->home_y[i]) ||
+             (g->group[i] > 0 && g->inverse_mass[i] != 0))) {
+            return damaged(err, "a grain is of a group that is not there");
+        }
+        if (g->growth && (g->growth[i] > scene->growth_count || !(g->density[i] > 0) ||
+                          !isfinite(g->density[i]) || g->radius[i] > rk_growth_most(scene, i) ||
+                          g->radius[i] < rk_growth_least(scene, i))) {
+            return damaged(err, "a grain is of a growth that it cannot have");
+        }
         if (g->tag[i] >= g->count) {
             return damaged(err, "a grain has a number that cannot be");
         }
@@ -251,7 +263,9 @@ enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t
     if (status == RK_OK) {
         status = check_contacts(scene, err);
     }
-    rk_walls_move(scene, rk_scene_time(scene));
     status = status ? status : rk_scene_get_ready(scene, err);
+    if (status == RK_OK) {
+        rk_scene_pose(scene, rk_scene_time(scene));
+    }
     return status ? status : find_contacts(scene, err);
 }

@@ -1,5 +1,7 @@
 /* Which grains may touch which parts of a wall before the list is renewed. */
 #include "base/memory.h"
+#include "engine/groups.h"
+#include "engine/movers.h"
 #include "engine/walls.h"
 
 #include <math.h>
@@ -31,7 +33,7 @@ static double highest(const double n[2], const struct rk_bounds *box) {
 /* How far any grain can have come nearer to a line. */
 static double line_approach(const struct rk_scene *scene, const struct rk_wall *wall) {
     const double *n = wall->normal;
-    if (wall->pose.angle != wall->near.pose.angle) {
+    if (wall->mover.pose.angle != wall->near.pose.angle) {
         return INFINITY; /* it has no end, and far out it moves by any distance */
     }
     return highest(n, &wall->near.moved) - lowest(n, &scene->neighbours.moved) +
@@ -44,11 +46,11 @@ static double body_approach(const struct rk_scene *scene, const struct rk_wall *
     double grain[2], body[2];
     for (int k = 0; k < 2; k++) {
         grain[k] = fmax(fabs(now->low[k] - then->low[k]), fabs(now->high[k] - then->high[k]));
-        body[k] = wall->pose.shift[k] - wall->near.pose.shift[k];
+        body[k] = wall->mover.pose.shift[k] - wall->near.pose.shift[k];
     }
     return sqrt(grain[0] * grain[0] + grain[1] * grain[1]) +
            sqrt(body[0] * body[0] + body[1] * body[1]) +
-           fabs(wall->pose.angle - wall->near.pose.angle) * wall->extent;
+           fabs(wall->mover.pose.angle - wall->near.pose.angle) * wall->extent;
 }
 
 bool rk_wall_near_holds(const struct rk_scene *scene, const struct rk_wall *wall) {
@@ -56,6 +58,7 @@ bool rk_wall_near_holds(const struct rk_scene *scene, const struct rk_wall *wall
         return false;
     }
     double approach = wall->line ? line_approach(scene, wall) : body_approach(scene, wall);
+    approach += 0.5 * (scene->neighbours.grown - wall->near.grown);
     return approach < margin(scene) * (1 - 1e-9);
 }
 
@@ -149,7 +152,7 @@ static enum rk_status list_line(const struct rk_scene *scene, struct rk_wall *wa
                                 struct rk_error *err) {
     enum rk_status status = RK_OK;
     for (size_t i = 0; status == RK_OK && i < scene->grains.count; i++) {
-        if (listed(scene, wall, 0, i)) {
+        if (!rk_grain_carried(&scene->grains, i) && listed(scene, wall, 0, i)) {
             status = list(&wall->near, 0, i, err);
         }
     }
@@ -164,7 +167,7 @@ static enum rk_status list_grain(const struct rk_scene *scene, struct rk_wall *w
     size_t place = 0, last = wall->primitive_count;
     enum rk_status status = RK_OK;
     /* A body that turns in a periodic box has no x in common with its images: look at all of it. */
-    if (!(scene->spec.period_x > 0) || wall->pose.angle == 0) {
+    if (!(scene->spec.period_x > 0) || wall->mover.pose.angle == 0) {
         rk_pose_inward(wall, x, g->y[i], q);
         rk_wall_index_search(wall, q, reach, &place, &last);
     }
@@ -182,16 +185,19 @@ static enum rk_status list_shape(const struct rk_scene *scene, struct rk_wall *w
                                  struct rk_error *err) {
     const struct rk_grains *g = &scene->grains;
     double period = scene->spec.period_x;
-    bool images = period > 0 && wall->pose.angle == 0;
+    bool images = period > 0 && wall->mover.pose.angle == 0;
     enum rk_status status = RK_OK;
     for (size_t i = 0; status == RK_OK && i < g->count; i++) {
+        if (rk_grain_carried(g, i)) {
+            continue;
+        }
         if (!images) {
             status = list_grain(scene, wall, i, g->x[i], err);
             continue;
         }
         double reach = (g->radius[i] + margin(scene)) * (1 + 1e-9);
-        double low = wall->index.low_x + wall->pose.shift[0] - reach - g->x[i];
-        double high = wall->index.high_x + wall->pose.shift[0] + reach - g->x[i];
+        double low = wall->index.low_x + wall->mover.pose.shift[0] - reach - g->x[i];
+        double high = wall->index.high_x + wall->mover.pose.shift[0] + reach - g->x[i];
         if (!(fabs(low) < 1e9 * period)) {
             continue; /* a grain or a wall is nowhere any more: counting images would not end */
         }
@@ -246,8 +252,9 @@ enum rk_status rk_wall_near_build(struct rk_scene *scene, size_t w, struct rk_er
     }
     carry_history(near, w, &scene->wall_touching);
     near->at = along(wall->normal, wall->at);
-    near->pose = wall->pose;
+    near->pose = wall->mover.pose;
     near->moved = scene->neighbours.moved;
+    near->grown = scene->neighbours.grown;
     near->valid = true;
     return RK_OK;
 }

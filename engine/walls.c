@@ -3,6 +3,7 @@
 #include "base/memory.h"
 #include "engine/fields.h"
 #include "engine/kernel.h"
+#include "engine/movers.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -59,7 +60,7 @@ static void put(struct rk_scene *scene, size_t w, size_t k, double overlap, cons
     t->overlap[c] = overlap;
     t->vx[c] = velocity[0];
     t->vy[c] = velocity[1];
-    t->omega[c] = wall->pose.turn;
+    t->omega[c] = wall->mover.pose.turn;
     t->rough[c] = wall->spec.friction ? 1 : 0;
     for (size_t h = 0; h < t->histories; h++) {
         t->history[h][c] = wall->near.history[h][k];
@@ -69,9 +70,9 @@ static void put(struct rk_scene *scene, size_t w, size_t k, double overlap, cons
 /* Velocity of the wall at its point next to a disc at (x, y), a distance off along the normal. */
 static void velocity_at(const struct rk_wall *wall, double x, double y, double distance,
                         const double normal[2], double velocity[2]) {
-    const struct rk_pose *pose = &wall->pose;
-    double arm_x = x + normal[0] * distance - (wall->spec.pivot[0] + pose->shift[0]);
-    double arm_y = y + normal[1] * distance - (wall->spec.pivot[1] + pose->shift[1]);
+    const struct rk_pose *pose = &wall->mover.pose;
+    double arm_x = x + normal[0] * distance - (wall->mover.pivot[0] + pose->shift[0]);
+    double arm_y = y + normal[1] * distance - (wall->mover.pivot[1] + pose->shift[1]);
     velocity[0] = pose->velocity[0] - pose->turn * arm_y;
     velocity[1] = pose->velocity[1] + pose->turn * arm_x;
 }
@@ -87,7 +88,7 @@ static void touch_line(struct rk_scene *scene, size_t w, bool recall) {
     struct rk_wall *wall = &scene->walls[w];
     const struct rk_grains *g = &scene->grains;
     const double normal[2] = {-wall->normal[0], -wall->normal[1]}; /* grain to wall */
-    double velocity[2] = {wall->pose.velocity[0], wall->pose.velocity[1]};
+    double velocity[2] = {wall->mover.pose.velocity[0], wall->mover.pose.velocity[1]};
     for (size_t k = 0; k < wall->near.count; k++) {
         uint32_t i = wall->near.grain[k];
         double overlap = g->radius[i] - (normal[0] * (wall->at[0] - g->x[i]) +
@@ -99,7 +100,7 @@ static void touch_line(struct rk_scene *scene, size_t w, bool recall) {
             forget(&wall->near, k);
             continue;
         }
-        if (wall->pose.turn != 0) {
+        if (wall->mover.pose.turn != 0) {
             velocity_at(wall, g->x[i], g->y[i], g->radius[i] - overlap, normal, velocity);
         }
         put(scene, w, k, overlap, normal, velocity);
@@ -156,7 +157,7 @@ static void touch_shape(struct rk_scene *scene, size_t w, bool recall) {
     for (size_t k = 0; k < near->count; k++) {
         uint32_t i = near->grain[k];
         double x = image_of(scene, wall, k), q[2], overlap = 0, normal[2] = {0, 1};
-        double velocity[2] = {wall->pose.velocity[0], wall->pose.velocity[1]};
+        double velocity[2] = {wall->mover.pose.velocity[0], wall->mover.pose.velocity[1]};
         rk_pose_inward(wall, x, g->y[i], q);
         near->now[k] = rk_primitive_touches(&wall->primitives[near->primitive[k]], q, g->radius[i],
                                             &overlap, normal);
@@ -167,10 +168,10 @@ static void touch_shape(struct rk_scene *scene, size_t w, bool recall) {
         if (!near->now[k]) {
             continue;
         }
-        if (wall->pose.angle != 0) {
-            rk_pose_outward(&wall->pose, normal, normal);
+        if (wall->mover.pose.angle != 0) {
+            rk_pose_outward(&wall->mover.pose, normal, normal);
         }
-        if (wall->pose.turn != 0) {
+        if (wall->mover.pose.turn != 0) {
             velocity_at(wall, x, g->y[i], g->radius[i] - overlap, normal, velocity);
         }
         put(scene, w, k, overlap, normal, velocity);
@@ -210,8 +211,8 @@ static void give(struct rk_scene *scene) {
         total[0] -= force[0];
         total[1] -= force[1];
         total[2] += force[2];
-        wall->force[0] += force[0];
-        wall->force[1] += force[1];
+        wall->mover.force[0] += force[0];
+        wall->mover.force[1] += force[1];
         for (size_t h = 0; h < t->histories; h++) {
             wall->near.history[h][t->entry[c]] = t->history[h][c];
         }
@@ -237,7 +238,7 @@ static enum rk_status find_touching(struct rk_scene *scene, bool recall, struct 
     }
     scene->wall_touching.count = 0;
     for (size_t w = 0; w < scene->wall_count; w++) {
-        scene->walls[w].force[0] = scene->walls[w].force[1] = 0;
+        scene->walls[w].mover.force[0] = scene->walls[w].mover.force[1] = 0;
         if (scene->walls[w].line) {
             touch_line(scene, w, recall);
         } else {
@@ -287,9 +288,9 @@ struct rk_wall_turn rk_scene_wall_turn(const struct rk_scene *scene, size_t wall
     const struct rk_wall *body = &scene->walls[wall];
     const struct rk_wall_touching *t = &scene->wall_touching;
     const struct rk_grains *g = &scene->grains;
-    struct rk_wall_turn turn = {.angle = body->pose.angle, .velocity = body->pose.turn};
-    const double pivot[2] = {body->spec.pivot[0] + body->pose.shift[0],
-                             body->spec.pivot[1] + body->pose.shift[1]};
+    struct rk_wall_turn turn = {.angle = body->mover.pose.angle, .velocity = body->mover.pose.turn};
+    const double pivot[2] = {body->mover.pivot[0] + body->mover.pose.shift[0],
+                             body->mover.pivot[1] + body->mover.pose.shift[1]};
     for (size_t c = 0; t->capacity > 0 && c < t->count; c++) {
         if (t->wall[c] != wall) {
             continue;

@@ -16,19 +16,12 @@
 /* Append a wall to those of the scene; RK_EINVALID with what is wrong. */
 enum rk_status rk_walls_add(struct rk_scene *scene, const struct rk_wall_spec *spec,
                             struct rk_error *err);
-enum rk_status rk_walls_set_drive(struct rk_scene *scene, size_t w,
-                                  const struct rk_drive_spec *drive, struct rk_error *err);
 
 /* Are all primitives narrow enough for a grain to meet one image only? */
 enum rk_status rk_walls_fit_period(const struct rk_scene *scene, struct rk_error *err);
 
-/* Pose of all walls at time t; lids where their state says. */
-void rk_walls_move(struct rk_scene *scene, double t);
-
-/* Take the lids through a step of dt, before the walls are moved and after the forces. Only where
- * there are any. */
-void rk_lids_predict(struct rk_scene *scene);
-void rk_lids_correct(struct rk_scene *scene, double dt);
+/* What follows from the poses of all walls. */
+void rk_walls_place(struct rk_scene *scene);
 
 /* The image of x that is nearest to a primitive. */
 double rk_wall_image(const struct rk_scene *scene, const struct rk_wall *wall,
@@ -37,9 +30,8 @@ double rk_wall_image(const struct rk_scene *scene, const struct rk_wall *wall,
 /* Is (x, y) inside a wall that encloses? By the even-odd rule; open boxes only. */
 bool rk_wall_encloses(const struct rk_wall *wall, double x, double y);
 
-/* A point in the body's frame, and a body's vector in the world's. */
+/* A point in the wall's frame. */
 void rk_pose_inward(const struct rk_wall *wall, double x, double y, double q[2]);
-void rk_pose_outward(const struct rk_pose *pose, const double body[2], double world[2]);
 
 /* ---- wall_index.c ------------------------------------------------------------------------ */
 

@@ -443,7 +443,7 @@ static void a_press_waits_for_rest(void **state) {
         .normal = {0, -1},
         .drive = {.kind = drive("press"),
                   .stride = 0.01,
-                  .threshold = 1e-6,
+                  .threshold = 1e-10,
                   .every = 500,
                   .direction = {0, -1}},
     };
@@ -459,7 +459,7 @@ static void a_press_waits_for_rest(void **state) {
         kit_step(scene, 500);
         rk_scene_wall(scene, 1, at, NULL, NULL);
         double went = last - at[1];
-        assert_true(fabs(went - (energy.kinetic < 1e-6 ? 0.01 : 0)) < 1e-12);
+        assert_true(fabs(went - (energy.kinetic < 1e-10 ? 0.01 : 0)) < 1e-12);
         strides += went > 0.005;
         rests += went < 0.005;
         last = at[1];

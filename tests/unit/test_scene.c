@@ -22,7 +22,27 @@ struct recipe {
     size_t threads;
     double skin;
     const char *shape, *drive; /* of one more wall, if there is one */
+    const char *body, *gravity;
+    const char *group; /* how a row of small grains is driven, if there is one */
 };
+enum { ROW = 14 }; /* its grains */
+
+/* Numbers that fit every drive. */
+static struct rk_drive_spec drive_of(const char *name) {
+    struct rk_drive_spec drive = {.kind = kit_piece(&rk_drive_registry, name),
+                                  .amplitude = 0.2,
+                                  .period = 1.5,
+                                  .direction = {-0.6, 0.8},
+                                  .speed = 0.15,
+                                  .spin = 0.02,
+                                  .mass = 30,
+                                  .load = 33,
+                                  .damping = 8,
+                                  .stride = 0.03,
+                                  .threshold = 0.5,
+                                  .every = 100};
+    return drive;
+}
 
 /* One more wall, of any shape, driven in any way: its numbers fit them all. It begins in the gaps
  * between the grains that drop_grains puts on a lattice. */
@@ -43,24 +63,15 @@ static void add_guest(struct rk_scene *scene, const struct recipe *r) {
         .to = 0.5,
         .pivot = {13.5, 2},
         .friction = true,
-        .drive = {.kind = kit_piece(&rk_drive_registry, r->drive),
-                  .amplitude = 0.2,
-                  .period = 1.5,
-                  .direction = {-0.6, 0.8},
-                  .speed = 0.15,
-                  .spin = 0.02,
-                  .mass = 30,
-                  .load = 33,
-                  .damping = 8,
-                  .stride = 0.03,
-                  .threshold = 0.5,
-                  .every = 100},
+        .drive = drive_of(r->drive),
     };
     kit_add_wall(scene, &guest);
 }
 
 static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
-    struct rk_scene_spec spec = kit_spec(grains, 4);
+    struct rk_scene_spec spec = kit_spec(grains + (r->group ? ROW : 0), 4);
+    spec.groups = 2;
+    spec.body = r->body ? kit_piece(&rk_body_registry, r->body) : NULL;
     spec.period_x = r->periodic ? 30 : 0;
     spec.gravity[0] = 0.05;
     spec.gravity[1] = -1;
@@ -79,6 +90,12 @@ static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
     spec.ledger = r->ledger;
     spec.threads = r->threads;
     spec.kernel = r->kernel ? kit_piece(&rk_kernel_registry, r->kernel) : NULL;
+    if (r->gravity) {
+        spec.pull = (struct rk_gravity_spec){.kind = kit_piece(&rk_gravity_registry, r->gravity),
+                                             .first = {0.05, -1},
+                                             .then = {-0.2, -0.8},
+                                             .when = 1.1};
+    }
     struct rk_scene *scene = NULL;
     struct rk_error err = RK_NO_ERROR;
     if (rk_scene_create(&spec, &scene, &err)) {
@@ -104,11 +121,23 @@ static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
     if (r->shape) {
         add_guest(scene, r);
     }
+    if (r->group) {
+        const struct rk_group_spec groups[2] = {
+            {.friction = true, .drive = drive_of("rest")},
+            {.friction = false, .pivot = {9, 2}, .drive = drive_of(r->group)}};
+        const struct rk_growth_spec growths[2] = {{0.02, 0.4725, 0.53}, {-0.01, 0.4725, 0.53}};
+        for (size_t k = 0; k < 2; k++) {
+            size_t number;
+            assert_int_equal(rk_scene_add_group(scene, &groups[k], &number, &err), RK_OK);
+            assert_int_equal(rk_scene_add_growth(scene, &growths[k], &number, &err), RK_OK);
+        }
+    }
     return scene;
 }
 
 static void drop_grains(struct rk_scene *scene, const struct recipe *r, size_t grains) {
     struct rk_stream stream = rk_stream_of(3, 0, 0, RK_FOR_TESTS, 0);
+    const double low = r->group ? 2.25 : 1;
     for (size_t i = 0; i < grains; i++) {
         /* A lattice of spacing 1.25; big ones stand above it, far apart. */
         bool big = i % 20 == 7;
@@ -117,7 +146,7 @@ static void drop_grains(struct rk_scene *scene, const struct recipe *r, size_t g
         size_t rank = i / 20;
         struct rk_grain grain = {
             .x = big ? 5 + 10 * (double)(rank % 3) : 1 + 1.25 * (double)(i % 23),
-            .y = big ? 40 + 9 * (double)(rank / 3) : 1 + 1.25 * (double)(i / 23),
+            .y = big ? 40 + 9 * (double)(rank / 3) : low + 1.25 * (double)(i / 23),
             .vx = rk_stream_uniform(&stream) - 0.5,
             .vy = rk_stream_uniform(&stream) - 0.5,
             .omega = rk_stream_uniform(&stream) - 0.5,
@@ -126,8 +155,15 @@ static void drop_grains(struct rk_scene *scene, const struct recipe *r, size_t g
             .held =
                 !r->shape && i % 20 == 11, /* a few are nailed down, out of a moving wall's way */
             .material = r->mixed && i % 3 == 0,
+            .growth = r->group && !big ? i % 3 : 0, /* some grow, some shrink */
         };
         kit_add(scene, grain);
+    }
+    for (int k = 0; r->group && k < ROW; k++) { /* below the lattice */
+        struct rk_grain one = kit_disc(3.5 + 1.25 * k, 1, 0, 0);
+        one.growth = k == 5 ? 1 : 0;
+        one.group = k == 3 ? 1 : 2;
+        kit_add(scene, one);
     }
 }
 
@@ -161,7 +197,8 @@ static void for_every_physics(void (*check)(struct recipe recipe)) {
             .periodic = k % 2 == 0,
             .mixed = k / 2 % 2 == 0,
             .ledger = k % 3 == 0,
-            .skin = 0.1};
+            .skin = 0.1,
+            .body = rk_body_registry.pieces[k % rk_body_registry.count]->name};
         if (strcmp(recipe.friction, "none") != 0 || strcmp(recipe.rolling, "none") == 0) {
             recipe.integrator = rk_integrator_registry.pieces[0]->name;
             check(recipe);
@@ -205,6 +242,26 @@ static void for_every_wall(void (*check)(struct recipe recipe)) {
     }
 }
 
+/* Every drive with a group of grains, while others grow or shrink; every body and gravity. */
+static void for_every_group(void (*check)(struct recipe recipe)) {
+    for (size_t d = 0; d < rk_drive_registry.count; d++) {
+        struct recipe recipe = {.law = rk_law_registry.pieces[d % rk_law_registry.count]->name,
+                                .friction = d == 4 ? "haff-werner" : "cundall-strack",
+                                .rolling = d % 2 == 1 ? "spring" : "none",
+                                .tension = "cut",
+                                .neighbours = "cells",
+                                .periodic = d % 2 == 0,
+                                .mixed = d % 3 == 0,
+                                .ledger = true,
+                                .skin = 0.1,
+                                .group = rk_drive_registry.pieces[d]->name};
+        recipe.integrator = rk_integrator_registry.pieces[d % rk_integrator_registry.count]->name;
+        recipe.gravity = rk_gravity_registry.pieces[d % rk_gravity_registry.count]->name;
+        recipe.body = rk_body_registry.pieces[d / 2 % rk_body_registry.count]->name;
+        check(recipe);
+    }
+}
+
 static void check_variants(struct recipe recipe) {
     size_t size, other_size;
     void *block = outcome(&recipe, &size);
@@ -229,6 +286,7 @@ static void methods_skins_and_kernels_give_the_same_bytes(void **state) {
     (void)state;
     for_every_physics(check_variants);
     for_every_wall(check_variants);
+    for_every_group(check_variants);
 }
 
 /* Threads meet several times a step, so tiny scenes are slow on them: fewer steps. */
@@ -259,6 +317,7 @@ static void threads_give_the_same_bytes(void **state) {
             .periodic = k % 2 == 0,
             .mixed = k / 2 % 2 == 0});
     }
+    for_every_group(check_threads);
 }
 
 /* The accounts of a resumed run are those of one that was not interrupted. */
@@ -302,6 +361,7 @@ static void a_packed_scene_goes_on_with_the_same_bytes(void **state) {
     (void)state;
     for_every_physics(check_resume);
     for_every_wall(check_resume);
+    for_every_group(check_resume);
 }
 
 static void check_onlookers(struct recipe recipe) {
@@ -321,6 +381,10 @@ static void check_onlookers(struct recipe recipe) {
         for (size_t w = 0; w < rk_scene_walls(scene); w++) {
             rk_scene_wall_turn(scene, w);
         }
+        for (size_t group = 1; group <= rk_scene_groups(scene); group++) {
+            rk_scene_group_turn(scene, group);
+        }
+        rk_scene_stable_step(scene);
         rk_scene_strain(scene);
     }
     void *watched = kit_packed(scene, &watched_size);
@@ -334,19 +398,21 @@ static void looking_changes_nothing(void **state) {
     (void)state;
     for_every_physics(check_onlookers);
     for_every_wall(check_onlookers);
+    for_every_group(check_onlookers);
 }
 
 /* Between two phases grains are held and let go: a state taken after that knows it. */
 static void held_and_released_grains_are_remembered(void **state) {
     (void)state;
     for (int friction = 0; friction < 2; friction++) {
-        struct recipe recipe = {"linear", friction ? "cundall-strack" : "none",
-                                "none",   "cut",
-                                "cells",  NULL,
-                                NULL,     false,
-                                true,     true,
-                                1,        0.1,
-                                NULL,     NULL};
+        struct recipe recipe = {.law = "linear",
+                                .friction = friction ? "cundall-strack" : "none",
+                                .rolling = "none",
+                                .tension = "cut",
+                                .neighbours = "cells",
+                                .mixed = true,
+                                .ledger = true,
+                                .skin = 0.1};
         size_t size;
         struct rk_scene *scene = shaken_box(&recipe, GRAINS);
         drop_grains(scene, &recipe, GRAINS);
@@ -398,15 +464,22 @@ static void check_look(struct recipe recipe) {
 static void an_unpacked_scene_can_be_looked_at(void **state) {
     (void)state;
     for_every_physics(check_look);
+    for_every_group(check_look);
 }
 
 /* A state comes from a file: cut short, lengthened or with any byte changed it is refused or gives
  * a scene that can be stepped; it never leads out of bounds (run under the address sanitizer). */
 static void damaged_states_do_no_harm(void **state) {
     (void)state;
-    struct recipe recipe = {
-        "linear", "cundall-strack", "none", "cut", "cells", NULL, NULL, false, false, false, 1,
-        0.1,      "polygon",        "servo"};
+    struct recipe recipe = {.law = "linear",
+                            .friction = "cundall-strack",
+                            .rolling = "none",
+                            .tension = "cut",
+                            .neighbours = "cells",
+                            .skin = 0.1,
+                            .shape = "polygon",
+                            .drive = "servo",
+                            .group = "servo"};
     struct rk_scene *scene = shaken_box(&recipe, GRAINS);
     drop_grains(scene, &recipe, GRAINS);
     kit_step(scene, 6000);
@@ -438,8 +511,12 @@ static void damaged_states_do_no_harm(void **state) {
 
 static void wrong_scenes_are_refused(void **state) {
     (void)state;
-    struct recipe recipe = {"linear", "none", "none", "cut", "cells", NULL, NULL,
-                            false,    false,  false,  1,     0.1,     NULL, NULL};
+    struct recipe recipe = {.law = "linear",
+                            .friction = "none",
+                            .rolling = "none",
+                            .tension = "cut",
+                            .neighbours = "cells",
+                            .skin = 0.1};
     struct rk_scene *scene = shaken_box(&recipe, 2);
     struct rk_error err = RK_NO_ERROR;
     static const struct rk_grain bad[] = {
@@ -467,13 +544,13 @@ static void wrong_scenes_are_refused(void **state) {
 static void scenes_of_none_one_and_two_grains_run(void **state) {
     (void)state;
     for (size_t grains = 0; grains <= 2; grains++) {
-        struct recipe recipe = {"linear", "cundall-strack",
-                                "none",   "cut",
-                                "cells",  NULL,
-                                NULL,     grains == 1,
-                                false,    false,
-                                1,        0.1,
-                                NULL,     NULL};
+        struct recipe recipe = {.law = "linear",
+                                .friction = "cundall-strack",
+                                .rolling = "none",
+                                .tension = "cut",
+                                .neighbours = "cells",
+                                .periodic = grains == 1,
+                                .skin = 0.1};
         struct rk_scene *scene = shaken_box(&recipe, grains);
         drop_grains(scene, &recipe, grains);
         kit_step(scene, 5000);
@@ -485,13 +562,12 @@ static void scenes_of_none_one_and_two_grains_run(void **state) {
 /* Nonsense is noticed, named and explained. */
 static void a_run_gone_wrong_is_stopped_with_the_reason(void **state) {
     (void)state;
-    struct recipe recipe = {"linear", "cundall-strack",
-                            "none",   "cut",
-                            "cells",  NULL,
-                            NULL,     false,
-                            false,    false,
-                            1,        0.1,
-                            NULL,     NULL};
+    struct recipe recipe = {.law = "linear",
+                            .friction = "cundall-strack",
+                            .rolling = "none",
+                            .tension = "cut",
+                            .neighbours = "cells",
+                            .skin = 0.1};
     struct rk_error err = RK_NO_ERROR;
     struct rk_scene *scene = shaken_box(&recipe, 2);
     struct rk_grain bullet = {.x = 5, .y = 9, .vx = 400, .radius = 0.5, .mass = 0.25};
