@@ -75,14 +75,12 @@ static bool listed(const struct rk_scene *scene, const struct rk_wall *wall, siz
 }
 
 void rk_wall_near_free(struct rk_near *near) {
-    void *const blocks[] = {near->primitive,
-                            near->grain,
-                            near->history[RK_HISTORY_FT],
-                            near->history[RK_HISTORY_MOMENT],
-                            near->before,
-                            near->now};
-    for (size_t b = 0; b < sizeof blocks / sizeof *blocks; b++) {
-        free(blocks[b]);
+    free(near->primitive);
+    free(near->grain);
+    free(near->before);
+    free(near->now);
+    for (size_t h = 0; h < RK_HISTORIES; h++) {
+        free(near->history[h]);
     }
     *near = (struct rk_near){0};
 }

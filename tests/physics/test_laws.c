@@ -332,67 +332,6 @@ static void materials_mix_as_springs_in_series(void **state) {
     assert_true(c.ft == 0);
 }
 
-/* ---- The triangular lattice
- * ----------------------------------------------------------------------- */
-
-/* A pressed triangular lattice between two held rows, a little disturbed: below the stable step the
- * disturbance stays or dies, above it grows until the run is stopped. The fastest modes have
- * w^2 = 6 kn/m (discs of one row against the next) or, with friction, 24 kt/m (all turning one way,
- * the slip at six contacts twice R w each). Held rows slow them by (pi/rows)^2/2 at most, prestress
- * by the share of overlap: 2 and 1 per cent; hence 5 below and 8 above. */
-static enum rk_status disturbed_lattice(const char *friction, double damping, double share,
-                                        double *grown) {
-    enum { COLUMNS = 12, ROWS = 17 };
-    const double spacing = 0.99, disturbance = 1e-7;
-    struct rk_scene_spec spec = plain("linear", friction, COLUMNS * ROWS);
-    spec.period_x = COLUMNS * spacing;
-    spec.contact.damping = damping;
-    spec.contact.mu = 1e6; /* no sliding */
-    spec.contact.gamma_t = 10;
-    spec.gamma = rk_contact_gamma(&spec.contact, mass);
-    spec.dt = share * rk_stable_step(spec.accuracy.integrator, &spec.contact, spec.gamma, mass);
-    spec.health.overlap = 0.3;
-    struct rk_scene *scene = kit_scene(&spec);
-    for (int i = 0; i < COLUMNS * ROWS; i++) {
-        int row = i / COLUMNS, column = i % COLUMNS;
-        struct rk_grain g =
-            kit_disc(spacing * (column + 0.5 * (row % 2)), spacing * sqrt(0.75) * row, 0, 0);
-        g.held = row == 0 || row == ROWS - 1;
-        g.x += g.held ? 0 : disturbance * sin(17.0 * i * i + 1);
-        g.y += g.held ? 0 : disturbance * sin(13.0 * i * i + 2);
-        g.omega = disturbance / spec.dt;
-        kit_add(scene, g);
-    }
-    enum rk_status status = rk_scene_step(scene, 4000, NULL);
-    struct rk_energy e = rk_scene_energy(scene);
-    *grown = sqrt(2 * (e.kinetic + e.rotational) / (COLUMNS * ROWS * mass)) * spec.dt / disturbance;
-    rk_scene_free(scene);
-    return status;
-}
-
-static void the_stable_step_is_that_of_a_triangular_lattice(void **state) {
-    (void)state;
-    static const double dampings[] = {0, 0.1, 1};
-    for (size_t f = 0; f < rk_friction_registry.count; f++) {
-        for (int k = 0; k < 3; k++) {
-            double below, above;
-            const char *friction = rk_friction_registry.pieces[f]->name;
-            enum rk_status status = disturbed_lattice(friction, dampings[k], 0.95, &below);
-            if (status != RK_OK || !(below < 10)) {
-                fail_msg("%s, damping %g: unstable below the stable step, %g", friction,
-                         dampings[k], below);
-            }
-            /* Where discs may part, a damped instability stops growing at the size of the gaps:
-             * it then shows by how much more is left of the disturbance. */
-            status = disturbed_lattice(friction, dampings[k], 1.08, &above);
-            if (status == RK_OK && !(above > 50 * below)) {
-                fail_msg("%s, damping %g: stable above the stable step, %g and %g", friction,
-                         dampings[k], below, above);
-            }
-        }
-    }
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sliding_discs_gain_the_rigid_spin),
@@ -405,7 +344,6 @@ int main(void) {
         cmocka_unit_test(rolling_resistance_stops_a_disc),
         cmocka_unit_test(a_slope_is_too_steep_at_the_rolling_threshold),
         cmocka_unit_test(materials_mix_as_springs_in_series),
-        cmocka_unit_test(the_stable_step_is_that_of_a_triangular_lattice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
