@@ -68,6 +68,21 @@ void rk_param_defaults(const struct rk_param_table *table, void *values) {
     }
 }
 
+bool rk_param_is_default(struct rk_param_ref ref, const void *values) {
+    const void *value = (const char *)values + ref.group->offset + ref.row->offset;
+    switch (ref.row->type) {
+    case RK_PARAM_REAL:
+        return *(const double *)value == ref.row->value;
+    case RK_PARAM_COUNT:
+        return *(const uint64_t *)value == (uint64_t)ref.row->value;
+    case RK_PARAM_FLAG:
+        return *(const bool *)value == (ref.row->value != 0);
+    case RK_PARAM_PIECE:
+        return strcmp((*(const struct rk_piece *const *)value)->name, ref.row->choice) == 0;
+    }
+    return false;
+}
+
 void rk_param_range(const struct rk_param *row, char *text, size_t size) {
     if (row->type == RK_PARAM_FLAG) {
         snprintf(text, size, "yes or no");

@@ -39,6 +39,7 @@ struct rk_param {
     /* How far something goes and nothing of what happens on the way: with a larger value the same
      * run goes on, so that runs of another value are not another's. */
     bool extends;
+    bool later; /* it came when studies had been run: at its default no key or identity has it */
 };
 
 struct rk_param_group {
@@ -77,6 +78,8 @@ void rk_param_path(struct rk_param_ref ref, char path[RK_PARAM_PATH]);
 
 /* Set every value of `values` (table->size bytes) to its default. */
 void rk_param_defaults(const struct rk_param_table *table, void *values);
+
+bool rk_param_is_default(struct rk_param_ref ref, const void *values);
 
 /* Set one value from text. Fails with RK_EINVALID, err->subject being `path`: unknown name (with
  * the nearest known one), wrong type, out of range. On failure `values` is as it was. */

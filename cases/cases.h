@@ -13,15 +13,16 @@
 #include "base/random.h"
 #include "engine/engine.h"
 
-extern const struct rk_registry rk_case_registry; /* bne */
+extern const struct rk_registry rk_case_registry; /* bne, neighbours */
 
 /* How long a run is and when it is looked at; the same parameters for every case: "run.*". */
 struct rk_run_spec {
     uint64_t periods; /* length of a run, in drive periods */
     uint64_t samples; /* observables: samples a period */
     uint64_t frames;  /* grains: a frame every so many periods, 0 for the first and last only */
+    uint64_t threads; /* that step one run: they change nothing in what comes out */
 };
-enum { RK_RUN_PARAMS = 3 };
+enum { RK_RUN_PARAMS = 4 };
 extern const struct rk_param rk_run_params[RK_RUN_PARAMS];
 
 /* The same, in steps. A period is a whole number of samples, a sample a whole number of steps. */

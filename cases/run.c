@@ -28,6 +28,7 @@ const struct rk_param rk_run_params[RK_RUN_PARAMS] = {
      .value = 0,
      .high = 1e8,
      .doc = "periods between two frames of all grains, 0: first and last only"},
+    RK_RUN_THREADS(AT(threads)),
 };
 #undef AT
 

@@ -4,6 +4,14 @@
 
 #include "cases/cases.h"
 
+/* The row of `threads`, for cases with another "run" group. */
+#define RK_RUN_THREADS(at)                                                                         \
+    {                                                                                              \
+        .name = "threads", .type = RK_PARAM_COUNT, .offset = (at), .unit = "", .value = 1,         \
+        .low = 1, .high = 256, .later = true,                                                      \
+        .doc = "threads that step one run, where runs go one at a time; the numbers are the same"  \
+    }
+
 /* A period is cut into whole samples and these into whole steps: dt is the largest step not above
  * `dt_most` that allows it. */
 struct rk_schedule rk_run_schedule(const struct rk_run_spec *run, double period, double dt_most);

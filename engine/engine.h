@@ -224,6 +224,9 @@ enum rk_status rk_scene_set_drive(struct rk_scene *scene, size_t wall,
                                   const struct rk_drive_spec *drive, struct rk_error *err);
 enum rk_status rk_scene_hold(struct rk_scene *scene, uint32_t tag, bool held, struct rk_error *err);
 
+/* Go on with another neighbour method (out of rk_neighbour_registry): the bytes are the same. */
+void rk_scene_set_neighbours(struct rk_scene *scene, const struct rk_piece *method);
+
 /* Multiply all velocities by `keep` (0 to 1): a drag, for beds that should come to rest. */
 void rk_scene_slow_down(struct rk_scene *scene, double keep);
 

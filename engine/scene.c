@@ -386,6 +386,11 @@ enum rk_status rk_scene_hold(struct rk_scene *scene, uint32_t tag, bool held,
     return RK_OK;
 }
 
+void rk_scene_set_neighbours(struct rk_scene *scene, const struct rk_piece *method) {
+    scene->spec.accuracy.neighbour = method;
+    scene->neighbours.valid = false;
+}
+
 /* ---- Stepping
  * ------------------------------------------------------------------------------------ */
 

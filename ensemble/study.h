@@ -19,6 +19,7 @@
  *         box.sides: periodic
  *     sweep:                              # optional (study/sweep.h): of every point, a grid
  *       - drive.acceleration: [1.2, 1.5, 1.8]
+ *     until: {analysis: rise, quantity: rate, half_width: 0.01, max_replicas: 100}   # optional
  *     keep: checkpoint                    # or results, the default: a finished run's last
  *                                         # checkpoint and spool, for runs that may become longer
  *     analyses:
@@ -42,6 +43,7 @@ struct rk_point {
     char name[RK_NAME]; /* letters, digits, '-', '_' and '.'; unique in the study */
     void *params;       /* a struct of the case's table, every value resolved */
     uint64_t key;       /* of the random streams: a hash of the resolved parameters' text */
+    uint64_t replicas;  /* of this point, 0: the study's */
 };
 
 /* An axis of a sweep: the values of one parameter. */
@@ -65,12 +67,22 @@ struct rk_request {
     void *params;
 };
 
+/* Replicas are added until the interval of a quantity is as narrow as asked (stats/stein.h); the
+ * study's `replicas` are the pilot. */
+struct rk_until {
+    const struct rk_request *request; /* NULL: nothing is asked */
+    char quantity[RK_NAME];           /* a scalar of its results */
+    double half_width, level;
+    uint64_t max_replicas, batch;
+};
+extern const struct rk_param_table rk_until_params; /* half_width, level, max_replicas, batch */
+
 struct rk_study {
     char name[RK_NAME];
     const struct rk_case *scene;
     uint64_t seed;
     uint64_t replicas;
-    bool keeps_checkpoints; /* of finished runs, so that they can be made longer */
+    bool keeps_checkpoints;  /* of finished runs, so that they can be made longer */
     struct rk_point *points; /* the explicit points times the sweep, which varies faster */
     size_t point_count;
     char (*roots)[RK_NAME]; /* the explicit points; none: there is one, that has no name */
@@ -79,6 +91,7 @@ struct rk_study {
     size_t axis_count;
     struct rk_request *requests;
     size_t request_count;
+    struct rk_until until;
 };
 
 /* Read and resolve a study file. *study is the caller's, free with rk_study_free.

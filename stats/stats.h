@@ -37,6 +37,7 @@
 #include "stats/resample.h"
 #include "stats/spectrum.h"
 #include "stats/spread.h"
+#include "stats/stein.h"
 #include "stats/units.h"
 
 #endif

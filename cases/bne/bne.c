@@ -14,7 +14,7 @@ static const struct rk_piece *const sides[] = {&rk_bne_sides_walls, &rk_bne_side
 static const struct rk_registry side_registry = {"kind of sides", "sides of the box", sides, 2};
 
 #define AT(member) offsetof(struct rk_bne_intruder, member)
-static const struct rk_param intruder_rows[] = {
+const struct rk_param rk_bne_intruder_params[RK_BNE_INTRUDER_PARAMS] = {
     {.name = "diameter",
      .type = RK_PARAM_REAL,
      .offset = AT(diameter),
@@ -31,6 +31,24 @@ static const struct rk_param intruder_rows[] = {
      .low = 1e-3,
      .high = 1e6,
      .doc = "its density over that of the grains"},
+    {.name = "stiffness",
+     .type = RK_PARAM_REAL,
+     .offset = AT(stiffness),
+     .unit = "",
+     .value = 1,
+     .low = 1e-6,
+     .high = 1e6,
+     .doc = "its kn, kt and Young's modulus over those of the grains; springs act in series",
+     .later = true},
+    {.name = "mu",
+     .type = RK_PARAM_REAL,
+     .offset = AT(mu),
+     .unit = "",
+     .value = 1,
+     .low = 0,
+     .high = 1e6,
+     .doc = "its coefficient of friction over that of the grains; the geometric mean acts",
+     .later = true},
 };
 #undef AT
 
@@ -69,7 +87,7 @@ static const struct rk_param box_rows[] = {
 #undef AT
 
 #define AT(member) offsetof(struct rk_bne_drive, member)
-static const struct rk_param drive_rows[] = {
+const struct rk_param rk_bne_drive_params[RK_BNE_DRIVE_PARAMS] = {
     {.name = "acceleration",
      .type = RK_PARAM_REAL,
      .offset = AT(acceleration),
@@ -101,9 +119,9 @@ static const struct rk_param drive_rows[] = {
 #define COUNT(rows) (sizeof(rows) / sizeof *(rows))
 static const struct rk_param_group groups[] = {
     {"grains", rk_grains_params, RK_GRAINS_PARAMS, AT(grains), false},
-    {"intruder", intruder_rows, COUNT(intruder_rows), AT(intruder), false},
+    {"intruder", rk_bne_intruder_params, RK_BNE_INTRUDER_PARAMS, AT(intruder), false},
     {"box", box_rows, COUNT(box_rows), AT(box), false},
-    {"drive", drive_rows, COUNT(drive_rows), AT(drive), false},
+    {"drive", rk_bne_drive_params, RK_BNE_DRIVE_PARAMS, AT(drive), false},
     {"contact", rk_contact_params, RK_CONTACT_PARAMS, AT(contact), false},
     {"settle", rk_settle_params, RK_SETTLE_PARAMS, AT(settle), false},
     {"accuracy", rk_accuracy_params, RK_ACCURACY_PARAMS, AT(accuracy), true},
@@ -135,13 +153,32 @@ static double nominal_step(const struct rk_bne *bne, double share) {
     return share * sqrt(mean_mass / bne->contact.kn);
 }
 
+/* Two springs of 1 and `other` in series, scaled so that equals give themselves; so do dashpots. */
+static double in_series(double other) {
+    return 2 * other / (1 + other);
+}
+
+/* The stiffest contact there is: a stiffer intruder's with a grain. */
+static struct rk_contact_spec stiffest(const struct rk_bne *bne, double *gamma) {
+    struct rk_contact_spec contact = bne->contact;
+    double stiffness = bne->intruder.stiffness;
+    if (stiffness > 1) {
+        contact.kn *= in_series(stiffness);
+        contact.kt *= in_series(stiffness);
+        contact.young *= in_series(stiffness);
+        *gamma *= in_series(sqrt(stiffness));
+    }
+    return contact;
+}
+
 static struct rk_schedule bne_schedule(const void *params) {
     const struct rk_bne *bne = params;
     struct rk_schedule schedule =
         rk_run_schedule(&bne->run, bne->drive.period, nominal_step(bne, bne->accuracy.step));
     double smallest = smallest_mass(bne);
-    schedule.stable_dt = rk_stable_step(bne->accuracy.integrator, &bne->contact,
-                                        rk_contact_gamma(&bne->contact, smallest), smallest);
+    double gamma = rk_contact_gamma(&bne->contact, smallest);
+    const struct rk_contact_spec contact = stiffest(bne, &gamma);
+    schedule.stable_dt = rk_stable_step(bne->accuracy.integrator, &contact, gamma, smallest);
     return schedule;
 }
 
@@ -256,7 +293,26 @@ static struct rk_scene_spec scene_spec(const struct rk_bne *bne, double dt) {
         .contact = bne->contact,
         .accuracy = bne->accuracy,
         .health = bne->health,
+        .threads = (size_t)bne->run.threads,
     };
+}
+
+/* Is the intruder of another material than grains and walls? Then of material 1. */
+static bool of_its_own(const struct rk_bne_intruder *intruder) {
+    return intruder->stiffness != 1 || intruder->mu != 1;
+}
+
+/* Its dashpots stay as strong beside its springs as the grains' are. */
+static enum rk_status add_material(const struct rk_bne *bne, struct rk_scene *scene,
+                                   struct rk_error *err) {
+    struct rk_material material = rk_contact_material(&bne->contact, rk_scene_spec(scene)->gamma);
+    size_t number;
+    material.kn *= bne->intruder.stiffness;
+    material.kt *= bne->intruder.stiffness;
+    material.young *= bne->intruder.stiffness;
+    material.gamma *= sqrt(bne->intruder.stiffness);
+    material.mu *= bne->intruder.mu;
+    return rk_scene_add_material(scene, &material, &number, err);
 }
 
 /* A scene with its walls: wall 0 is the plate. */
@@ -273,6 +329,9 @@ static enum rk_status open_box(const struct rk_bne *bne, double dt,
          .drive = *drive},
     };
     enum rk_status status = rk_scene_create(&spec, scene, err);
+    if (status == RK_OK && of_its_own(&bne->intruder)) {
+        status = add_material(bne, *scene, err);
+    }
     for (size_t w = 0; status == RK_OK && w < (periodic(bne) ? 1 : 3); w++) {
         status = rk_scene_add_wall(*scene, &walls[w], err);
     }
@@ -299,6 +358,7 @@ static enum rk_status add_intruder(const struct rk_bne *bne, struct rk_scene *sc
         .radius = radius,
         .mass = bne->intruder.density * radius * radius,
         .held = true,
+        .material = of_its_own(&bne->intruder),
     };
     return rk_scene_add_grain(scene, &intruder, err);
 }

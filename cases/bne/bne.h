@@ -13,13 +13,18 @@ struct rk_bne_box {
 };
 
 struct rk_bne_intruder {
-    double diameter, density;
+    double diameter;
+    double density, stiffness, mu; /* over those of the grains */
 };
+enum { RK_BNE_INTRUDER_PARAMS = 4 };
+extern const struct rk_param rk_bne_intruder_params[RK_BNE_INTRUDER_PARAMS];
 
 struct rk_bne_drive {
     double acceleration; /* Gamma = A (2 pi/T)^2/g */
     double period, phase;
 };
+enum { RK_BNE_DRIVE_PARAMS = 3 };
+extern const struct rk_param rk_bne_drive_params[RK_BNE_DRIVE_PARAMS];
 
 struct rk_bne {
     struct rk_grains_spec grains;

@@ -96,10 +96,11 @@ int rk_command_load_folder(const char *folder, struct rk_study **study);
 /* Why rk_plan_file_match refused the folder's own study.yaml, in words for one who only looks. */
 enum rk_status rk_command_strange_folder(const struct rk_error *why, struct rk_error *err);
 
-/* The plan of a folder's study; RK_ECONFLICT when the runs there are not that plan's, so that no
+/* The plan of a folder's study, with as many replicas as its precision target comes to (study is
+ * told); RK_ECONFLICT when the runs there are not that plan's, so that no
  * number is ever derived with parameters it was not made with; RK_EIO when there is no plan to
  * compare with. *plan is NULL on failure. */
-enum rk_status rk_command_plan_folder(const char *folder, const struct rk_study *study,
+enum rk_status rk_command_plan_folder(const char *folder, struct rk_study *study,
                                       struct rk_plan **plan, struct rk_error *err);
 
 /* Progress is for terminals. */

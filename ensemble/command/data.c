@@ -151,7 +151,7 @@ static void warn(void *context, const char *line) {
     rk_warn("%s", line);
 }
 
-static enum rk_status read_folder(const char *folder, const struct rk_study *study,
+static enum rk_status read_folder(const char *folder, struct rk_study *study,
                                   const struct rk_data_options *o, struct rk_data *data,
                                   struct rk_error *err) {
     const struct rk_notice notice = {warn, NULL};

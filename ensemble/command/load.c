@@ -1,4 +1,5 @@
 /* Studies as the subcommands take them. */
+#include "ensemble/analysis/target.h"
 #include "ensemble/command/command.h"
 #include "ensemble/store/plan_file.h"
 
@@ -44,9 +45,14 @@ enum rk_status rk_command_strange_folder(const struct rk_error *why, struct rk_e
                    length, why->message);
 }
 
-enum rk_status rk_command_plan_folder(const char *folder, const struct rk_study *study,
+enum rk_status rk_command_plan_folder(const char *folder, struct rk_study *study,
                                       struct rk_plan **plan, struct rk_error *err) {
-    enum rk_status status = rk_plan_create(study, plan, err);
+    bool changed;
+    *plan = NULL;
+    enum rk_status status = rk_target_settle(folder, study, &changed, err);
+    if (status == RK_OK) {
+        status = rk_plan_create(study, plan, err);
+    }
     if (status != RK_OK) {
         return status;
     }

@@ -1,4 +1,5 @@
 /* reckon run: carry out what is missing of a study. */
+#include "ensemble/analysis/target.h"
 #include "ensemble/command/command.h"
 #include "ensemble/command/progress.h"
 #include "ensemble/runner.h"
@@ -173,10 +174,22 @@ static int run_main(const void *values, size_t count, char *const *operands) {
     if (code != RK_EXIT_DONE) {
         return code;
     }
-    if (rk_plan_create(study, &plan, &err) != RK_OK) {
-        code = rk_complain(&err);
-    } else {
-        code = run_plan(o->output ? o->output : study->name, plan, o);
+    const char *folder = o->output ? o->output : study->name;
+    for (bool more = true; more;) {
+        more = false;
+        rk_plan_free(plan);
+        plan = NULL;
+        bool changed;
+        if (rk_target_settle(folder, study, &changed, &err) != RK_OK ||
+            rk_plan_create(study, &plan, &err) != RK_OK) {
+            code = rk_complain(&err);
+            break;
+        }
+        code = run_plan(folder, plan, o);
+        bool fine = code == RK_EXIT_DONE || code == RK_EXIT_REPLICAS;
+        if (fine && rk_target_settle(folder, study, &more, &err) != RK_OK) {
+            code = rk_complain(&err);
+        }
     }
     rk_plan_free(plan);
     rk_study_free(study);

@@ -1,5 +1,6 @@
 /* reckon status: how far a study's folder is, from any terminal, touching nothing. */
 #include "ensemble/analysis/json.h"
+#include "ensemble/analysis/target.h"
 #include "ensemble/command/command.h"
 #include "ensemble/command/progress.h"
 #include "ensemble/store.h"
@@ -204,7 +205,9 @@ static int status_main(const void *values, size_t count, char *const *operands) 
     if (code != RK_EXIT_DONE) {
         return code;
     }
-    if (rk_plan_create(study, &plan, &err) != RK_OK) {
+    bool changed;
+    if (rk_target_settle(operands[0], study, &changed, &err) != RK_OK ||
+        rk_plan_create(study, &plan, &err) != RK_OK) {
         code = rk_complain(&err);
     } else {
         struct tally tally = tally_of(operands[0], plan);

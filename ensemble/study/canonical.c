@@ -85,7 +85,8 @@ const char *rk_canonical_text(struct rk_canonical *canonical, const void *values
     used = used < HEAD ? used : HEAD - 1;
     for (size_t i = 0; i < canonical->count; i++) {
         struct line *line = &canonical->lines[i];
-        if (!wants || wants(line->ref)) {
+        bool silent = line->ref.row->later && rk_param_is_default(line->ref, values);
+        if ((!wants || wants(line->ref)) && !silent) {
             update(line, values);
             memcpy(canonical->text + used, line->text, (size_t)line->length);
             used += (size_t)line->length;

@@ -1,5 +1,6 @@
 /* The canonical text of parameters, "path = value" lines in the table's order, as what keys and
- * identities are hashes of: it must never change for the same parameters.
+ * identities are hashes of: it must never change for the same parameters. Parameters that came
+ * later are left out at their defaults (base/param.h).
  *
  * Points of a sweep share most of their values, and writing a number takes longer than comparing
  * it: a line is written anew only where its value differs from that of the point before.

@@ -37,6 +37,9 @@ static enum rk_status visit(const struct walk *w, const struct rk_yaml_node *nod
     struct rk_spot spot = {w->tree, node};
     enum rk_status status = w->visitor->visit(w->visitor->context, spot, path, w->err);
     size_t i = index_of(w->table, path);
+    if (i == rk_param_total(w->table)) {
+        return status; /* a name that the visitor knows */
+    }
     if (status == RK_OK && w->given[i]) {
         return rk_yaml_wrong(w->tree, node->key_place, w->err, "'%s' is given twice", path);
     }

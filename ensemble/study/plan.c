@@ -42,6 +42,11 @@ static enum rk_status identify(struct rk_plan *plan, struct rk_error *err) {
     return RK_OK;
 }
 
+static size_t replicas_of(const struct rk_study *study, size_t p) {
+    uint64_t own = study->points[p].replicas;
+    return (size_t)(own > 0 ? own : study->replicas);
+}
+
 static void list_runs(struct rk_plan *plan) {
     const struct rk_case *scene = plan->study->scene;
     size_t n = 0;
@@ -51,8 +56,8 @@ static void list_runs(struct rk_plan *plan) {
             (double)plan->points[p].steps + (double)scene->preparation_steps(point->params);
         double cost = steps * (double)scene->grains(point->params);
         plan->points[p].first = n;
-        plan->points[p].count = (size_t)plan->study->replicas;
-        for (uint64_t r = 0; r < plan->study->replicas; r++, n++) {
+        plan->points[p].count = replicas_of(plan->study, p);
+        for (uint64_t r = 0; r < plan->points[p].count; r++, n++) {
             struct rk_run *run = &plan->runs[n];
             snprintf(run->id, sizeof run->id, "%.*s-%04u", RK_NAME - 1, point->name, (unsigned)r);
             run->point = p;
@@ -70,7 +75,9 @@ enum rk_status rk_plan_create(const struct rk_study *study, struct rk_plan **pla
         return rk_fail(err, RK_EMEMORY, "out of memory");
     }
     made->study = study;
-    made->count = study->point_count * (size_t)study->replicas;
+    for (size_t p = 0; p < study->point_count; p++) {
+        made->count += replicas_of(study, p);
+    }
     made->runs = calloc(made->count, sizeof *made->runs);
     made->points = calloc(study->point_count, sizeof *made->points);
     enum rk_status status =

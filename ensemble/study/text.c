@@ -73,6 +73,11 @@ static void write_study(FILE *out, const struct rk_study *study) {
         fprintf(out, "  - %s:\n", request->analysis->piece.name);
         write_all(out, "      ", request->analysis->params, request->params);
     }
+    if (study->until.request) {
+        fprintf(out, "until:\n  analysis: %s\n  quantity: %s\n",
+                study->until.request->analysis->piece.name, study->until.quantity);
+        write_all(out, "  ", &rk_until_params, &study->until);
+    }
 }
 
 char *rk_study_text(const struct rk_study *study) {
