@@ -95,7 +95,8 @@ static enum rk_status check_block(const struct rk_scene *scene, const char *bloc
     for (size_t w = 0; w < scene->wall_count; w++) {
         primitives += scene->walls[w].primitive_count;
     }
-    if (scalars[3] > scene->spec.grains || scalars[4] > UINT32_MAX ||
+    if (scalars[3] > scene->spec.grains ||
+        scalars[4] > (scene->has[RK_IF_REMEMBERS] ? UINT32_MAX : 0) ||
         scalars[5] > scalars[3] * primitives || scalars[6] != scene->ledger.count ||
         scalars[7] != scene->lids.count) {
         return damaged(err, "it speaks of more grains or contacts than can be");
@@ -106,13 +107,26 @@ static enum rk_status check_block(const struct rk_scene *scene, const char *bloc
     return head == size ? RK_OK : damaged(err, "its length does not fit its contents");
 }
 
-static bool remembers_numbers(size_t histories, double *const history[RK_HISTORIES], size_t c) {
-    for (size_t h = 0; h < histories; h++) {
-        if (!isfinite(history[h][c])) {
-            return false;
+/* Every number of every field is one. */
+static enum rk_status check_numbers(const struct rk_scene *scene, const uint64_t lengths[KEPT],
+                                    struct rk_error *err) {
+    for (size_t s = 0; s < KEPT; s++) {
+        for (size_t f = 0; f < kept[s]->count; f++) {
+            const struct rk_field *field = &kept[s]->fields[f];
+            if (field->type != RK_FIELD_F64 || !rk_field_present(scene, field)) {
+                continue;
+            }
+            const double *values = rk_field_array(scene, field);
+            for (size_t i = 0; i < lengths[s]; i++) {
+                if (!isfinite(values[i])) {
+                    return rk_fail(err, RK_EFORMAT,
+                                   "the state of the scene is damaged: %s %zu has %s = %g",
+                                   kept[s]->name, i, field->name, values[i]);
+                }
+            }
         }
     }
-    return true;
+    return RK_OK;
 }
 
 static enum rk_status check_contacts(const struct rk_scene *scene, struct rk_error *err) {
@@ -122,23 +136,15 @@ static enum rk_status check_contacts(const struct rk_scene *scene, struct rk_err
     for (size_t c = 0; c < t->count; c++) {
         bool later = c == 0 || t->first[c] > t->first[c - 1] ||
                      (t->first[c] == t->first[c - 1] && t->second[c] > t->second[c - 1]);
-        if (t->first[c] >= t->second[c] || t->second[c] >= n || !later ||
-            !remembers_numbers(t->histories, t->history, c)) {
+        if (t->first[c] >= t->second[c] || t->second[c] >= n || !later) {
             return damaged(err, "its contacts are out of order");
         }
     }
     for (size_t c = 0; c < w->count; c++) {
         if (w->wall[c] >= scene->wall_count ||
             w->primitive[c] >= scene->walls[w->wall[c]].primitive_count || w->grain[c] >= n ||
-            (c > 0 && rk_wall_contact_key(w, c) <= rk_wall_contact_key(w, c - 1)) ||
-            !remembers_numbers(w->histories, w->history, c)) {
+            (c > 0 && rk_wall_contact_key(w, c) <= rk_wall_contact_key(w, c - 1))) {
             return damaged(err, "its wall contacts are out of order");
-        }
-    }
-    for (size_t l = 0; l < scene->lids.count; l++) {
-        const struct rk_lids *lids = &scene->lids;
-        if (!isfinite(lids->position[l] + lids->velocity[l] + lids->acceleration[l])) {
-            return damaged(err, "a lid is nowhere");
         }
     }
     return RK_OK;
@@ -147,10 +153,10 @@ static enum rk_status check_contacts(const struct rk_scene *scene, struct rk_err
 static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error *err) {
     const struct rk_grains *g = &scene->grains;
     for (size_t i = 0; i < g->count; i++) {
-        double sum = g->x[i] + g->y[i] + g->vx[i] + g->vy[i] + g->ax[i] + g->ay[i];
-        sum += g->jx ? g->jx[i] + g->jy[i] + g->sx[i] + g->sy[i] : 0;
-        if (!isfinite(sum) || !(g->radius[i] > 0) || !isfinite(g->radius[i]) || !(g->mass[i] > 0) ||
-            !isfinite(g->mass[i]) || !(g->inverse_mass[i] >= 0)) {
+        double inverse = g->inverse_mass[i] == 0 ? 0 : 1 / g->mass[i];
+        if (!(g->radius[i] > 0) || !(g->mass[i] >= scene->spec.smallest * (1 - 1e-12)) ||
+            !(fabs(g->inverse_mass[i] - inverse) <= 1e-12 * inverse) ||
+            (scene->has[RK_IF_ROTATES] && !(g->inverse_inertia[i] >= 0))) {
             return damaged(err, "a grain has a value that cannot be");
         }
         if (g->material && g->material[i] >= scene->material_count) {
@@ -178,8 +184,8 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
  * A corrector that moves the grains leaves contacts that belong to the predicted positions: they
  * are taken as they are. */
 static enum rk_status find_contacts(struct rk_scene *scene, struct rk_error *err) {
-    if (!scene->primed) {
-        return RK_OK; /* it has never had any */
+    if (!scene->primed && scene->touching.count + scene->wall_touching.count == 0) {
+        return RK_OK; /* it has not stepped yet */
     }
     enum rk_status status = rk_neighbours_build(scene, err);
     if (status) {
@@ -240,7 +246,8 @@ enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t
     scene->primed = scalars[1];
     copy_fields(scene, scalars, block);
     scene->ready = false;
-    status = check_grains(scene, err);
+    status = check_numbers(scene, scalars + 3, err);
+    status = status ? status : check_grains(scene, err);
     if (status == RK_OK) {
         status = check_contacts(scene, err);
     }

@@ -108,6 +108,12 @@ static enum rk_status read_block(int file, const char *path, struct block *block
     if (block->self != XXH64(block, offsetof(struct block, self), 0)) {
         return damaged(err, path, "its first kilobyte does not have its checksum");
     }
+    if ((block->state != RK_SEAL_DONE && block->state != RK_SEAL_FAILED) ||
+        !memchr(block->reason, 0, sizeof block->reason) ||
+        !memchr(block->origin.identity, 0, sizeof block->origin.identity) ||
+        !memchr(block->origin.run, 0, sizeof block->origin.run)) {
+        return damaged(err, path, "its first kilobyte says what cannot be");
+    }
     if (block->length != (uint64_t)facts.st_size) {
         return rk_fail(err, RK_EFORMAT, "'%s' is damaged: it has %lld bytes, %llu were written",
                        path, (long long)facts.st_size, (unsigned long long)block->length);
