@@ -227,8 +227,9 @@ static void headline(const struct rk_result *result, FILE *out) {
     fprintf(out, "%-20s ", text);
     double zero = rk_result_number(result, "at_zero");
     if (isfinite(zero)) {
-        rk_ldf_say_interval(text, sizeof text, 3, zero, rk_result_number(result, "at_zero_low"),
-                            rk_result_number(result, "at_zero_high"));
+        rk_analysis_say_interval(text, sizeof text, 3, zero,
+                                 rk_result_number(result, "at_zero_low"),
+                                 rk_result_number(result, "at_zero_high"));
         fprintf(out, "%s", text);
     } else {
         fprintf(out, "beyond the data");

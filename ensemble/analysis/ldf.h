@@ -35,10 +35,6 @@ void rk_ldf_fill_symmetry(struct rk_result *result, const struct rk_ldf_symmetry
 void rk_ldf_fill_comparison(struct rk_result *result, const struct rk_ldf_comparison *comparison,
                             const struct rk_ldf_units *units);
 
-/* "0.056 [0.048, 0.069]", "0.056 (no interval)", "refused": the scalars NAME, NAME_low, NAME_high.
- */
-void rk_ldf_say_interval(char *text, size_t size, int digits, double x, double low, double high);
-
 /* The scalars that a reader looks for first, as lines of text. */
 void rk_ldf_print(const struct rk_result *result, FILE *out);
 void rk_ldf_print_windows(const struct rk_result *windows, const struct rk_result *limit,

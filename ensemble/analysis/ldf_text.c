@@ -1,30 +1,14 @@
 /* Large-deviation functions on the terminal. */
 #include "ensemble/analysis/ldf.h"
+#include "ensemble/analysis/private.h"
 
 #include <math.h>
 #include <stdio.h>
 
-void rk_ldf_say_interval(char *text, size_t size, int digits, double x, double low, double high) {
-    if (!isfinite(x)) {
-        snprintf(text, size, "refused");
-    } else if (isfinite(low) && isfinite(high)) {
-        snprintf(text, size, "%.*g [%.*g, %.*g]", digits, x, digits, low, digits, high);
-    } else {
-        snprintf(text, size, "%.*g (no interval)", digits, x);
-    }
-}
-
 void rk_ldf_print(const struct rk_result *result, FILE *out) {
-    static const char *const rows[][2] = {
-        {"minimum", "minimum_low"}, {"at_zero", "at_zero_low"}, {"curvature", "curvature_low"}};
+    static const char *const rows[] = {"minimum", "at_zero", "curvature"};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        char high[32], text[96];
-        snprintf(high, sizeof high, "%s_high", rows[i][0]);
-        const struct rk_value *value = rk_result_find(result, rows[i][0]);
-        double x = rk_result_number(result, rows[i][0]);
-        rk_ldf_say_interval(text, sizeof text, 6, x, rk_result_number(result, rows[i][1]),
-                            rk_result_number(result, high));
-        fprintf(out, "%-10s %s  %s\n", rows[i][0], text, value->doc);
+        rk_analysis_print_interval(result, rows[i], 10, out);
     }
     fprintf(out, "%-10s %.6g  %s\n", "tau", rk_result_number(result, "tau"), "length of a window");
     fprintf(out, "%s\n", result->verdict);
@@ -54,8 +38,9 @@ void rk_ldf_print_windows(const struct rk_result *windows, const struct rk_resul
             size_t r = last ? 0 : row;
             char text[96] = "";
             if (!last || i > 0) {
-                rk_ldf_say_interval(text, sizeof text, 4, at(from, shown[i], "", r),
-                                    at(from, shown[i], "_low", r), at(from, shown[i], "_high", r));
+                rk_analysis_say_interval(text, sizeof text, 4, at(from, shown[i], "", r),
+                                         at(from, shown[i], "_low", r),
+                                         at(from, shown[i], "_high", r));
             }
             fprintf(out, i < 2 ? " %-32s" : " %s\n", text);
         }
@@ -65,7 +50,7 @@ void rk_ldf_print_windows(const struct rk_result *windows, const struct rk_resul
 
 void rk_ldf_print_symmetry(const struct rk_result *result, FILE *out) {
     char text[96];
-    rk_ldf_say_interval(text, sizeof text, 6, at(result, "slope", "", 0),
-                        at(result, "slope", "_low", 0), at(result, "slope", "_high", 0));
+    rk_analysis_say_interval(text, sizeof text, 6, at(result, "slope", "", 0),
+                             at(result, "slope", "_low", 0), at(result, "slope", "_high", 0));
     fprintf(out, "%-10s %s  of I(-a) - I(a) against a\n%s\n", "slope", text, result->verdict);
 }

@@ -23,9 +23,8 @@ static void print(const struct rk_data_command *command, const struct rk_data_op
     }
 }
 
-static int analyse(const struct rk_data_command *command, const char *operand,
-                   const struct rk_data_options *o, const void *options,
-                   const struct rk_data *data) {
+int rk_data_give(const struct rk_data_command *command, const char *operand,
+                 const struct rk_data_options *o, const void *options, const struct rk_data *data) {
     struct rk_error err = RK_NO_ERROR;
     struct rk_result result;
     int code = RK_EXIT_DONE;
@@ -73,7 +72,7 @@ int rk_data_main(const struct rk_data_command *command, const char *operand,
         code = rk_complain(&err);
         code = err.status == RK_EIO && !study ? RK_EXIT_USAGE : code;
     } else {
-        code = analyse(command, operand, o, options, &data);
+        code = rk_data_give(command, operand, o, options, &data);
     }
     rk_samples_clear(&data.samples);
     rk_study_free(study);

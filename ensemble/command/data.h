@@ -66,23 +66,30 @@ enum rk_status rk_data_read(struct rk_data *data, const char *operand, const str
                             const char *point, const struct rk_data_options *o,
                             struct rk_error *err);
 
+/* The last steps, for a command that reads its data itself: estimate, draw, print. */
+int rk_data_give(const struct rk_data_command *command, const char *operand,
+                 const struct rk_data_options *o, const void *options, const struct rk_data *data);
+
 /* The rows of struct rk_data_options, which is the member `data` of `type`. */
 #define RK_DATA_ROW(type, member) .offset = offsetof(struct type, data.member)
 /* clang-format off */
-#define RK_DATA_ROWS(of)                                                                          \
+#define RK_DATA_SPAN_ROWS(of)                                                                     \
     {.name = "from", .type = RK_OPTION_COUNT, RK_DATA_ROW(of, from), .argument = "N",             \
      .fallback = "0", .high = 1e9,                                                                \
      .doc = "leave out what is before: samples, or periods of a study"},                          \
     {.name = "to", .type = RK_OPTION_COUNT, RK_DATA_ROW(of, to), .argument = "N",                 \
-     .fallback = "0", .high = 1e9, .doc = "leave out what is after; 0 is the end"},               \
+     .fallback = "0", .high = 1e9, .doc = "leave out what is after; 0 is the end"}
+#define RK_DATA_ROWS(of)                                                                          \
+    RK_DATA_SPAN_ROWS(of),                                                                        \
     {.name = "interval", .type = RK_OPTION_REAL, RK_DATA_ROW(of, interval), .argument = "T",      \
      .fallback = "1", .low = 1e-300, .high = 1e300, .doc = "time between two samples of a file"}, \
-    RK_DATA_SOURCE_ROWS(of)
-#define RK_DATA_SOURCE_ROWS(of)                                                                   \
+    RK_DATA_FILE_ROWS(of), RK_DATA_STUDY_ROWS(of)
+#define RK_DATA_FILE_ROWS(of)                                                                   \
     {.name = "column", .letter = 'c', .type = RK_OPTION_TEXT, RK_DATA_ROW(of, column),            \
      .argument = "NAME", .doc = "column of a CSV file, by name or number"},                       \
     {.name = "replica", .letter = 'r', .type = RK_OPTION_TEXT, RK_DATA_ROW(of, replica),          \
-     .argument = "NAME", .doc = "column that says which replica a row is of"},                    \
+     .argument = "NAME", .doc = "column that says which replica a row is of"}
+#define RK_DATA_STUDY_ROWS(of)                                                                    \
     {.name = "point", .letter = 'p', .type = RK_OPTION_TEXT, RK_DATA_ROW(of, point),              \
      .argument = "NAME", .doc = "point of a study"},                                              \
     {.name = "observable", .type = RK_OPTION_TEXT, RK_DATA_ROW(of, observable),                   \
