@@ -17,7 +17,8 @@ install(TARGETS ${RK_LIBRARIES} EXPORT SandReckoner
 file(GLOB base_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/base/*.h)
 install(FILES ${base_headers} DESTINATION ${RK_HEADERS}/base)
 set(stats_headers
-  blocking correlation data histogram ldf moments pdf rate resample spectrum spread stats units)
+  blocking correlation data forces histogram ldf ldf_compare ldf_direct ldf_limit ldf_symmetry
+  moments pdf rate relax resample resonance rise_time spectrum spread stats units)
 list(TRANSFORM stats_headers REPLACE "(.+)" "stats/\\1.h")
 foreach(header engine/engine.h cases/cases.h ${stats_headers} ensemble/study.h ensemble/store.h
         ensemble/runner.h ensemble/analysis.h)
@@ -34,6 +35,9 @@ include(CMakeFindDependencyMacro)
 find_dependency(PkgConfig)
 find_dependency(OpenMP COMPONENTS C)
 find_dependency(HDF5 COMPONENTS C)
+if(@RK_MPI_FOUND@)
+  find_dependency(MPI COMPONENTS C)
+endif()
 pkg_check_modules(FFTW QUIET IMPORTED_TARGET fftw3)
 pkg_check_modules(GSL QUIET IMPORTED_TARGET gsl)
 pkg_check_modules(YAML QUIET IMPORTED_TARGET yaml-0.1)
@@ -57,6 +61,9 @@ install(FILES ${PROJECT_BINARY_DIR}/SandReckonerConfig.cmake
 list(TRANSFORM RK_LIBRARIES PREPEND "-l" OUTPUT_VARIABLE pc_links)
 set(pc_hdf5 ${HDF5_C_LIBRARIES})
 list(FILTER pc_hdf5 INCLUDE REGEX hdf5) # and not what a shared HDF5 needs in its turn
+if(RK_MPI_FOUND)
+  list(APPEND pc_hdf5 ${MPI_C_LIBRARIES})
+endif()
 list(APPEND pc_links ${pc_hdf5} ${OpenMP_C_FLAGS} -lm)
 list(JOIN pc_links " " pc_links)
 file(RELATIVE_PATH pc_prefix ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})

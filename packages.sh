@@ -1,12 +1,14 @@
 #!/bin/sh
-# Install the Debian packages that are missing: packages.sh [build] [tests] [peers]
+# Install the Debian packages that are missing: packages.sh [build] [tests] [peers] [mpi] [slurm]
 # With nothing missing it does nothing, needs no network and no rights.
 set -eu
 
 build="gcc libc6-dev make cmake ninja-build pkg-config libgsl-dev libfftw3-dev libhdf5-dev \
 libyaml-dev libxxhash-dev librandom123-dev gnuplot-nox"
 tests="libcmocka-dev python3 python3-h5py python3-numpy"
-peers="lammps python3"
+peers="lammps python3 python3-numpy python3-scipy"
+mpi="libopenmpi-dev openmpi-bin"
+slurm="slurm-wlm munge"
 
 wanted=""
 for set in "$@"; do
@@ -14,8 +16,10 @@ for set in "$@"; do
     build) wanted="$wanted $build" ;;
     tests) wanted="$wanted $tests" ;;
     peers) wanted="$wanted $peers" ;;
+    mpi) wanted="$wanted $mpi" ;;
+    slurm) wanted="$wanted $slurm" ;;
     *)
-        echo "packages.sh: '$set' is none of build, tests, peers" >&2
+        echo "packages.sh: '$set' is none of build, tests, peers, mpi, slurm" >&2
         exit 2
         ;;
     esac

@@ -21,8 +21,11 @@ struct rk_progress {
     double seconds;                     /* since its start */
 };
 
+struct rk_ranks;
+
 struct rk_runner_options {
     int threads;                 /* 0: as many as OpenMP gives */
+    struct rk_ranks *ranks;      /* runner/ranks.h; NULL: this process decides for itself */
     size_t shard, shards;        /* only that part of the plan, 1 <= shard <= shards; 0, 0: all */
     double checkpoint_every;     /* seconds of wall time between two checkpoints of a run */
     bool (*stop)(void *context); /* asked often; may be NULL */

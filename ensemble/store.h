@@ -75,4 +75,8 @@ enum rk_status rk_store_read(const char *folder, const struct rk_plan *plan,
                              const struct rk_run *run, const char *name, struct rk_observable *out,
                              struct rk_error *err);
 
+/* The same from the file of a run, wherever it lies and whatever study it is of. */
+enum rk_status rk_store_read_file(const char *path, const char *name, struct rk_observable *out,
+                                  struct rk_error *err);
+
 #endif

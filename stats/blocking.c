@@ -91,7 +91,9 @@ static enum rk_status estimate(struct rk_blocking *out, struct rk_windows *w, do
                        "correlated: the series is too short for its memory",
                        n, (int)SURE_BLOCKS);
     }
-    j = j > 0 && j + 1 < count ? j + 1 : j;
+    for (int more = 0; more < 2 && j > 0 && levels[j].blocks >= 2 * SURE_BLOCKS; more++) {
+        j++;
+    }
     double blocks = (double)levels[j].blocks, error = sqrt(levels[j].variance / blocks);
     double half = rk_student_quantile(0.5 + 0.5 * level, blocks - 1) * (scale * error);
     *out = (struct rk_blocking){

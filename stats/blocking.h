@@ -8,9 +8,10 @@
  * one degree of freedom each where there is no correlation; the smallest j is taken for which the
  * sum over j and all longer blocks is below the 99 % quantile.
  *
- * Two things are added to that: one more doubling, since a test that does not reject leaves room
- * for a small correlation; and Student's t with n_j - 1 degrees of freedom (n_j less one a replica
- * would be safer only if replicas differ, which is another question: stats/units.h).
+ * Two things are added to that: two more doublings (as far as 16 blocks are left), since a test
+ * that does not reject leaves room for a small correlation; and Student's t with n_j - 1 degrees of
+ * freedom (n_j less one a replica would be safer only if replicas differ, which is another
+ * question: stats/units.h).
  *
  * Pairs never straddle two replicas; an odd last block of a replica is left out of the longer
  * blocks, not of the mean. */

@@ -128,16 +128,50 @@ static size_t close_window(const double *rho, size_t lags, double *sum) {
     return 0;
 }
 
-static void finish(struct rk_correlation *out, double sum, size_t window, double n) {
-    double w = (double)window;
+/* N times the variance of sum rho_s, s = 1 .. window, by Bartlett's formula: with h_u = sum over
+ * all m of rho_m rho_(m+u), cov(rho_s, rho_t) N = h_(s-t) + h_(s+t) + 2 rho_s rho_t h_0 - 2 rho_s
+ * h_t - 2 rho_t h_s. rho is taken for 0 beyond the window. */
+static enum rk_status bartlett(double *variance, const double *rho, size_t window,
+                               struct rk_error *err) {
+    size_t all = 2 * window + 1, whole[2] = {0, all};
+    double *both = rk_array_create(2 * all, sizeof *both), sum = 0;
+    if (!both) {
+        return rk_fail(err, RK_EMEMORY, "no memory for %zu correlations", all);
+    }
+    double *h = both + all;
+    for (size_t s = 0; s <= window; s++) {
+        both[window + s] = both[window - s] = rho[s];
+        sum += s > 0 ? rho[s] : 0;
+    }
+    enum rk_status status = rk_correlation_sums(h, all, both, whole, 1, 0, 1, err);
+    if (status == RK_OK) {
+        double w = (double)window, total = w * h[0] + 2 * sum * sum * h[0];
+        for (size_t u = 1; u < all; u++) {
+            double n = (double)u; /* pairs s - t = +-u, then pairs s + t = u */
+            total += u < window ? 2 * (w - n) * h[u] : 0;
+            total += (u <= window ? n - 1 : 2 * w - n + 1) * h[u];
+            total -= u <= window ? 4 * sum * h[u] : 0;
+        }
+        *variance = total;
+    }
+    free(both);
+    return status;
+}
+
+/* T with its correction and its error; rho[0 .. window] as it was summed. */
+static enum rk_status finish(struct rk_correlation *out, const double *rho, double sum,
+                             size_t window, double n, struct rk_error *err) {
+    double w = (double)window, variance = 0;
     double c = 2 * fmax(sum, 0) / n;
     double time = fmax(0.5 + (sum - 0.5 + w * c) / (1 + c), 0);
+    enum rk_status status = bartlett(&variance, rho, window, err);
     *out = (struct rk_correlation){
         .time = time,
-        .error = time * sqrt(4 * fmax(w + 0.5 - time, 0.5) / n),
+        .error = sqrt(fmax(variance, 0) / n),
         .window = w,
         .n_eff = time > 0.5 ? n / (2 * time) : n,
     };
+    return status;
 }
 
 enum rk_status rk_correlation_of(struct rk_correlation *out, const double *x, const size_t *first,
@@ -163,6 +197,9 @@ enum rk_status rk_correlation_of(struct rk_correlation *out, const double *x, co
         if (status == RK_OK) {
             window = close_window(rho, lags, &sum);
         }
+        if (status == RK_OK && window > 0) {
+            status = finish(out, rho, sum, window, (double)first[segments], err);
+        }
         free(rho);
         if (status == RK_OK && window == 0 && lags == most) {
             status = rk_fail(err, RK_EREFUSED,
@@ -172,19 +209,17 @@ enum rk_status rk_correlation_of(struct rk_correlation *out, const double *x, co
         }
         lags = lags < most / 4 ? 4 * lags : most;
     }
-    if (status == RK_OK) {
-        finish(out, sum, window, (double)first[segments]);
-    }
     return status;
 }
 
 struct rk_interval rk_correlation_interval(const struct rk_correlation *correlation, double level) {
     double z = gsl_cdf_ugaussian_Pinv(0.5 + 0.5 * level);
     double factor = exp(z * correlation->error / correlation->time);
+    bool positive = correlation->time > 0;
     return (struct rk_interval){
         .estimate = correlation->time,
-        .low = correlation->time / factor,
-        .high = correlation->time * factor,
+        .low = positive ? correlation->time / factor : 0,
+        .high = positive ? correlation->time * factor : z * correlation->error,
         .n_eff = correlation->n_eff,
         .level = level,
     };

@@ -29,9 +29,10 @@ enum rk_status rk_autocorrelation_estimate(double *rho, size_t lags, const struc
 /* T = integral of the normalised autocorrelation over positive time, so that the mean over a time
  * t >> T has the variance 2 T var / t: interval (1/2 + sum_{s=1}^{W} rho_s) with the smallest
  * W >= 5 T/interval (A. Sokal, Monte Carlo Methods in Statistical Mechanics, 1989), corrected for
- * the common mean being an estimate, rho_s -> (rho_s + c)/(1 + c), c = 2 T/(N interval), and with
- * the error T sqrt(4 (W + 1/2 - T/interval)/N) (U. Wolff, Comput. Phys. Commun. 156 (2004) 143,
- * eqs. 49 and 42). */
+ * the common mean being an estimate, rho_s -> (rho_s + c)/(1 + c), c = 2 T/(N interval) (U. Wolff,
+ * Comput. Phys. Commun. 156 (2004) 143, eq. 49). Its error is that of the sum of the rho_s, by
+ * Bartlett's formula for the covariance of autocorrelations (M. B. Priestley, Spectral Analysis and
+ * Time Series, 1981, eq. 5.3.36). */
 struct rk_correlation {
     double time;   /* T, at least 0 */
     double error;  /* its standard error; the error of ln T is error/time */
@@ -49,7 +50,7 @@ enum rk_status rk_correlation_estimate(struct rk_correlation *out, const struct 
 enum rk_status rk_correlation_of(struct rk_correlation *out, const double *x, const size_t *first,
                                  size_t segments, struct rk_error *err);
 
-/* T with its interval at `level`, symmetric in ln T. */
+/* T with its interval at `level`, symmetric in ln T; from 0 on when the estimate is 0. */
 struct rk_interval rk_correlation_interval(const struct rk_correlation *correlation, double level);
 
 #endif

@@ -20,6 +20,7 @@ extern const struct rk_param rk_ldf_params[RK_LDF_PARAMS];
 enum rk_ldf_warning {
     RK_LDF_DRIFTS = 1,     /* the first and the second half of the time differ: not stationary */
     RK_LDF_CORRELATED = 2, /* consecutive windows are correlated: longer windows are needed */
+    RK_LDF_HEAVY = 4,      /* an extreme further out than exponential tails reach */
 };
 
 /* The large-deviation function of A, p(A = a) ~ exp(-tau I(a)), in parametric form over k:
@@ -47,7 +48,11 @@ enum rk_ldf_warning {
  * limit can be seen); up to k_c a point; an interval where moreover n_eff >= sqrt(L), and the same
  * holds for the number of independent units that carry the weight, everywhere from 0 to k.
  *
- * Intervals: percentiles of a bootstrap over replicas (over blocks, with one replica), whose tails
+ * Where a tail is heavier than exponential, lambda is infinite on its side whatever a sample says.
+ * Of L windows with exponential tails the largest lies about ln L deviations out, and beyond 3 ln L
+ * with the probability L^-2: when one does, there are no intervals on its side of the mean.
+ *
+ * Intervals: percentiles of a bootstrap over units (stats/units.h), whose tails
  * are widened for a small number n of units as Student's t is: Phi(t_{alpha/2,n-1} sqrt(n/(n-1)))
  * replaces alpha/2 (Hesterberg, Am. Stat. 69 (2015) 371). The band of the rate is at fixed a: each
  * replicate's own sup_k (k a - lambda_b(k)), by cubic Hermite interpolation of I_b with
@@ -77,17 +82,18 @@ struct rk_ldf {
     struct rk_interval curvature; /* lambda''(0) = tau var(A) = 1/I''; NaN if no double holds it */
     struct rk_interval at_zero;   /* I(a = 0): what it costs to go nowhere */
     enum rk_verdict at_zero_verdict; /* refused when 0 lies outside the support */
+    double heavy_low, heavy_high;    /* the extremes, in deviations over ln L: 1 is exponential */
     double drift;                    /* second minus first half of the time, in standard errors */
     double lag_one;                  /* correlation of consecutive windows */
     unsigned warnings;               /* of enum rk_ldf_warning, or'ed */
     char text[640];                  /* the verdict in plain sentences */
+    struct rk_ldf_work *work;        /* private: what the functions of the other ldf headers need */
 };
 
 /* Estimate it from a series; the stream (RK_FOR_BOOTSTRAP) is copied, not advanced.
  * RK_EREFUSED: no whole window; all windows equal (I is then 0 there and infinite elsewhere, and
- * no interval means anything); fewer than 5 replicas or, with one, fewer than 5 blocks longer than
- * two correlation times. RK_EINVALID: options out of range, data not finite, or a k range so wide
- * that k tau A is not a number. */
+ * no interval means anything); fewer than 5 independent units (stats/units.h). RK_EINVALID: options
+ * out of range, data not finite, or a k range so wide that k tau A is not a number. */
 enum rk_status rk_ldf_estimate(struct rk_ldf **out, const struct rk_series *series,
                                enum rk_series_mode mode, const struct rk_ldf_options *options,
                                const struct rk_stream *stream, struct rk_error *err);
@@ -97,10 +103,5 @@ enum rk_status rk_ldf_estimate_windows(struct rk_ldf **out, const struct rk_wind
                                        const struct rk_ldf_options *options,
                                        const struct rk_stream *stream, struct rk_error *err);
 void rk_ldf_free(struct rk_ldf *ldf);
-
-/* The limit of long windows from two window lengths tau1 != tau2, at one k:
- * (tau2 lambda2 - tau1 lambda1)/(tau2 - tau1). It removes the 1/tau term of lambda(k; tau), which
- * for a process of short memory leaves an exponentially small error. */
-double rk_ldf_slope(double tau1, double lambda1, double tau2, double lambda2);
 
 #endif

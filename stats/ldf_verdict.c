@@ -64,8 +64,8 @@ static double drift_of_blocks(const double *z, const size_t *first, size_t block
                      early.m2 / (early.n - 1) / early.n + late.m2 / (late.n - 1) / late.n);
 }
 
-void rk_ldf_examine(struct rk_ldf *ldf, const struct rk_ldf_work *work, const size_t *replica_first,
-                    size_t replicas) {
+void rk_ldf_examine(struct rk_ldf *ldf, const size_t *replica_first, size_t replicas) {
+    const struct rk_ldf_work *work = ldf->work;
     const double *z = work->tilt.z;
     ldf->drift = ldf->blocks ? drift_of_blocks(z, work->units.first, ldf->units)
                              : drift_of_replicas(z, replica_first, replicas);
@@ -78,7 +78,6 @@ void rk_ldf_examine(struct rk_ldf *ldf, const struct rk_ldf_work *work, const si
         }
     }
     ldf->lag_one = pairs > 0 ? sum / pairs : (double)NAN;
-    ldf->warnings = 0;
     if (fabs(ldf->drift) > 3) {
         ldf->warnings |= RK_LDF_DRIFTS;
     }
@@ -127,5 +126,13 @@ void rk_ldf_say(struct rk_ldf *ldf) {
     }
     if (ldf->warnings & RK_LDF_CORRELATED) {
         append(ldf, " Consecutive windows are correlated (%.2f): take longer ones.", ldf->lag_one);
+    }
+    if (ldf->warnings & RK_LDF_HEAVY) {
+        bool high = ldf->heavy_high > ldf->heavy_low;
+        append(
+            ldf,
+            " The %s window lies %.1f times as far out as exponential tails reach, so lambda may "
+            "not exist on that side: no interval there.",
+            high ? "largest" : "smallest", high ? ldf->heavy_high : ldf->heavy_low);
     }
 }

@@ -3,12 +3,19 @@
 #include <gsl/gsl_blas.h>
 #include <gsl/gsl_multifit_nlinear.h>
 #include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+/* A step into where the model is no number must be worse than any other, yet finite: GSL takes an
+ * infinite sum of squares for a lower one. */
+static const double NOWHERE = 1e100;
 
 static int residuals(const gsl_vector *theta, void *context, gsl_vector *f) {
     const struct rk_least_squares *p = context;
     double gradient[RK_LEAST_SQUARES_PARAMS];
     for (size_t i = 0; i < p->points; i++) {
-        gsl_vector_set(f, i, p->model(p->x[i], theta->data, gradient, p->context) - p->y[i]);
+        double r = p->model(p->x[i], theta->data, gradient, p->context) - p->y[i];
+        gsl_vector_set(f, i, fabs(r) < NOWHERE ? r : NOWHERE);
     }
     return GSL_SUCCESS;
 }
@@ -19,7 +26,7 @@ static int jacobian(const gsl_vector *theta, void *context, gsl_matrix *j) {
     for (size_t i = 0; i < p->points; i++) {
         p->model(p->x[i], theta->data, gradient, p->context);
         for (size_t k = 0; k < p->params; k++) {
-            gsl_matrix_set(j, i, k, gradient[k]);
+            gsl_matrix_set(j, i, k, isfinite(gradient[k]) ? gradient[k] : 0);
         }
     }
     return GSL_SUCCESS;
@@ -40,7 +47,9 @@ static enum rk_status iterate(gsl_multifit_nlinear_workspace *work,
     }
     const gsl_vector *f = gsl_multifit_nlinear_residual(work);
     gsl_blas_ddot(f, f, &fit->residual);
-    if ((status != GSL_SUCCESS && status != GSL_ENOPROG) || !isfinite(fit->residual)) {
+    /* No step from the start lowers the sum: it is the minimum already. */
+    bool stands = status == GSL_ENOPROG || (status == GSL_EMAXITER && info == GSL_ENOPROG);
+    if ((status != GSL_SUCCESS && !stands) || !(fit->residual < NOWHERE)) {
         return rk_fail(err, RK_EREFUSED,
                        "no least-squares fit: after %zu iterations the sum of squares is %g and "
                        "still falling",
@@ -71,6 +80,42 @@ static enum rk_status solve(const struct rk_least_squares *p, struct rk_least_sq
     return status;
 }
 
+static double sum_of_squares(const struct rk_least_squares *p, const double *theta,
+                             double descent[RK_LEAST_SQUARES_PARAMS]) {
+    double sum = 0, gradient[RK_LEAST_SQUARES_PARAMS];
+    memset(descent, 0, RK_LEAST_SQUARES_PARAMS * sizeof *descent);
+    for (size_t i = 0; i < p->points; i++) {
+        double w = p->weight ? p->weight[i] : 1;
+        double r = p->y[i] - p->model(p->x[i], theta, gradient, p->context);
+        sum += w * r * r;
+        for (size_t k = 0; k < p->params; k++) {
+            descent[k] += w * r * gradient[k];
+        }
+    }
+    return sum;
+}
+
+/* Where the sum is too flat to tell one step from another its derivatives still can: steps of Gauss
+ * and Newton, which double the digits when residuals are small, as long as they do not lose. */
+static void polish(const struct rk_least_squares *p, struct rk_least_squares_fit *fit) {
+    double descent[RK_LEAST_SQUARES_PARAMS], next[RK_LEAST_SQUARES_PARAMS];
+    double sum = sum_of_squares(p, fit->theta, descent);
+    for (int round = 0; round < 3; round++) {
+        for (size_t i = 0; i < p->params; i++) {
+            next[i] = fit->theta[i];
+            for (size_t j = 0; j < p->params; j++) {
+                next[i] += fit->inverse[i][j] * descent[j];
+            }
+        }
+        double after = sum_of_squares(p, next, descent);
+        if (!(after <= sum * (1 + 1e-12))) {
+            return;
+        }
+        memcpy(fit->theta, next, p->params * sizeof *next);
+        fit->residual = sum = after;
+    }
+}
+
 enum rk_status rk_least_squares_solve(const struct rk_least_squares *problem,
                                       struct rk_least_squares_fit *fit, struct rk_error *err) {
     if (problem->params == 0 || problem->params > RK_LEAST_SQUARES_PARAMS ||
@@ -79,6 +124,8 @@ enum rk_status rk_least_squares_solve(const struct rk_least_squares *problem,
                        problem->points, problem->params);
     }
     gsl_multifit_nlinear_parameters options = gsl_multifit_nlinear_default_parameters();
+    options.trs = gsl_multifit_nlinear_trs_lmaccel;  /* follows curved valleys */
+    options.scale = gsl_multifit_nlinear_scale_more; /* the unit of a parameter does not matter */
     options.solver = gsl_multifit_nlinear_solver_qr;
     gsl_multifit_nlinear_workspace *work = gsl_multifit_nlinear_alloc(
         gsl_multifit_nlinear_trust, &options, problem->points, problem->params);
@@ -89,5 +136,8 @@ enum rk_status rk_least_squares_solve(const struct rk_least_squares *problem,
             : rk_fail(err, RK_EMEMORY, "no memory for a fit of %zu points", problem->points);
     gsl_multifit_nlinear_free(work);
     gsl_matrix_free(covariance);
+    if (status == RK_OK) {
+        polish(problem, fit);
+    }
     return status;
 }

@@ -50,3 +50,9 @@ const struct rk_param rk_ldf_params[RK_LDF_PARAMS] = {
      .high = 10001,
      .doc = "points of the curve, an odd number"},
 };
+
+const struct rk_param rk_relax_params[RK_RELAX_PARAMS] = {
+    FROM(rk_relax_options),
+    TO(rk_relax_options),
+    LEVEL(rk_relax_options),
+};

@@ -46,7 +46,7 @@ static double average_of(const struct rk_pdf_frame *frame, const double *x, size
     double sum = 0;
     for (size_t i = 0; i < count; i++) {
         double z = x[i] / frame->unit - frame->centre / frame->unit, square = z * z;
-        sum += even ? log1p(square) : z / sqrt(1 + square);
+        sum += even ? square / (1 + square) : z / sqrt(1 + square);
     }
     return sum / (double)count;
 }
@@ -324,7 +324,7 @@ static enum rk_status fit_families(struct rk_pdf *pdf, struct work *work,
         return rk_fail(err, RK_EMEMORY, "no memory for %zu units", work->source.segments);
     }
     pdf->n_eff = INFINITY;
-    double heights[RK_PDF_FAMILIES], divide = 1;
+    double heights[RK_PDF_FAMILIES];
     for (size_t f = 0; f < RK_PDF_FAMILIES; f++) {
         struct rk_pdf_fit *fit = &pdf->fit[f];
         fit->family = rk_pdf_families[f];
@@ -333,15 +333,21 @@ static enum rk_status fit_families(struct rk_pdf *pdf, struct work *work,
         fill_estimates(fit, work, f, options->level);
         fill_intervals(fit, work, f, height, options);
         heights[f] = height;
-        divide = fmax(divide, isnan(fit->inflation) ? 1 : fit->inflation);
-        if (fit->verdict == RK_INTERVAL) {
-            pdf->n_eff = fmin(pdf->n_eff, fit->shape.n_eff);
+        if (fit->verdict == RK_INTERVAL) { /* the one that is less disturbed by not fitting */
+            pdf->n_eff = isinf(pdf->n_eff) ? fit->shape.n_eff : fmax(pdf->n_eff, fit->shape.n_eff);
         }
     }
-    for (size_t f = 0; f < RK_PDF_FAMILIES; f++) {
-        fill_criteria(&pdf->fit[f], work, f, heights[f], divide);
+    /* How many samples are independent is a matter of the correlation time where that is known; the
+     * scatter of units also has in it how badly a family fits. */
+    double n = (double)pdf->samples;
+    if (!isnan(pdf->correlation_time)) {
+        pdf->n_eff = n / fmax(1, 2 * pdf->correlation_time);
+    } else if (options->independent || isinf(pdf->n_eff)) {
+        pdf->n_eff = work->points.total;
     }
-    pdf->n_eff = isinf(pdf->n_eff) ? (double)NAN : pdf->n_eff;
+    for (size_t f = 0; f < RK_PDF_FAMILIES; f++) {
+        fill_criteria(&pdf->fit[f], work, f, heights[f], work->points.total / pdf->n_eff);
+    }
     compare(pdf, work);
     /* Either family may see what the other does not: the smaller of two probabilities, doubled. */
     pdf->separation_p = fmin(1, 2 * fmin(pdf->fit[0].ratio_p, pdf->fit[1].ratio_p));

@@ -89,12 +89,12 @@ struct rk_pdf_fit {
     double log_likelihood;        /* of all samples, as if independent */
     double gaussian;              /* the same of the best Gaussian */
     double inflation;             /* variance of the exponent over that of independent samples */
-    double aic, bic;       /* with the log-likelihood divided by the larger inflation of the two */
-    double ratio, ratio_p; /* 2 ln(likelihood ratio) against the Gaussian, divided likewise; its
-                              probability by chi^2 with one degree of freedom: the Gaussian
-                              lies inside the family, not on its edge */
-    double heavier_p;      /* one-sided: half of it when the fit is the heavier tailed */
-    double ks, ks_p, ad, ad_p;   /* Kolmogorov-Smirnov D, Anderson-Darling A^2; NaN without */
+    double aic, bic;              /* with the log-likelihood divided by samples/n_eff */
+    double ratio, ratio_p;     /* 2 ln(likelihood ratio) against the Gaussian, divided likewise; its
+                                  probability by chi^2 with one degree of freedom: the Gaussian
+                                  lies inside the family, not on its edge */
+    double heavier_p;          /* one-sided: half of it when the fit is the heavier tailed */
+    double ks, ks_p, ad, ad_p; /* Kolmogorov-Smirnov D, Anderson-Darling A^2; NaN without */
     struct rk_pdf_curve squares; /* binned least squares of ln f, as in Martins A.4: biased, for
                                     comparison; scale NaN where it fails */
 };

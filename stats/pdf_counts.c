@@ -23,10 +23,10 @@ static size_t bin_of(const struct grid *grid, double z) {
     return at >= 0 && at < (double)grid->bins ? (size_t)at : grid->bins;
 }
 
-/* As far out as the data go, up to 12 units: what lies beyond would leave all else in one bin. */
+/* As far out as the data go, up to 16 units: what lies beyond would leave all else in one bin. */
 static struct grid choose_grid(const struct rk_pdf_source *source,
                                const struct rk_pdf_frame *frame) {
-    enum { FAR = 12 };
+    enum { FAR = 16 };
     double low = INFINITY, high = -INFINITY;
     for (size_t s = 0; s < source->segments; s++) {
         for (size_t i = 0; i < source->segment[s].count; i++) {

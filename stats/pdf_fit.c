@@ -120,11 +120,13 @@ static double scan_shape(const struct rk_pdf_family *family, int i) {
                            : family->low + part * (family->high - family->low);
 }
 
-/* The best shape of the scan. */
-static int scan(struct search *search) {
-    struct rk_pdf_curve start = search->curve;
+/* The best shape of the scan, the location being left where it is: near enough to begin with. */
+static int scan(const struct search *from) {
+    struct search where = *from, *search = &where;
+    struct rk_pdf_curve start = from->curve;
     double best = -INFINITY;
     int at = 0;
+    search->fixed = true;
     search->target = 0;
     for (int i = 0; i < SCAN; i++) {
         search->curve = start;
@@ -134,7 +136,6 @@ static int scan(struct search *search) {
             at = i;
         }
     }
-    search->curve = start;
     return at;
 }
 

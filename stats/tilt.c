@@ -1,6 +1,5 @@
 #include "stats/tilt.h"
 
-#include "base/memory.h"
 #include "stats/numeric.h"
 
 #include <math.h>
@@ -22,44 +21,38 @@ static void find_extremes(struct rk_tilt *tilt) {
     }
 }
 
-static void standardise(struct rk_tilt *tilt, const double *values) {
+static void standardise(struct rk_tilt *tilt) {
     size_t count = tilt->count;
+    double *z = tilt->z, centre = rk_mean(z, count), largest = 0, value = z[0];
     bool varies = false;
-    double centre = rk_mean(values, count), largest = 0;
-    tilt->least = tilt->most = values[0];
+    tilt->least = tilt->most = z[0];
     for (size_t j = 0; j < count; j++) {
-        tilt->least = fmin(tilt->least, values[j]);
-        tilt->most = fmax(tilt->most, values[j]);
-        varies = varies || values[j] != values[0];
-        tilt->z[j] = values[j] / 2 - centre / 2; /* halves, because the whole may overflow */
-        largest = fmax(largest, fabs(tilt->z[j]));
+        tilt->least = fmin(tilt->least, z[j]);
+        tilt->most = fmax(tilt->most, z[j]);
+        varies = varies || z[j] != value;
+        z[j] = z[j] / 2 - centre / 2; /* halves, because the whole may overflow */
+        largest = fmax(largest, fabs(z[j]));
     }
-    tilt->centre = varies ? centre : values[0];
+    tilt->centre = varies ? centre : value;
     if (!varies || largest == 0) {
         return;
     }
     double squares = 0;
     for (size_t j = 0; j < count; j++) {
-        tilt->z[j] /= largest;
-        squares += tilt->z[j] * tilt->z[j];
+        z[j] /= largest;
+        squares += z[j] * z[j];
     }
     double deviation = sqrt(squares / (double)count);
     for (size_t j = 0; j < count; j++) {
-        tilt->z[j] /= deviation;
+        z[j] /= deviation;
     }
     tilt->scale = 2 * (largest * deviation);
 }
 
-enum rk_status rk_tilt_init(struct rk_tilt *tilt, const double *values, const size_t *first,
-                            size_t units, struct rk_error *err) {
-    *tilt = (struct rk_tilt){.first = first, .units = units, .count = first[units]};
-    tilt->z = rk_array_create(tilt->count, sizeof *tilt->z);
-    if (!tilt->z) {
-        return rk_fail(err, RK_EMEMORY, "no memory for %zu windows", tilt->count);
-    }
-    standardise(tilt, values);
+void rk_tilt_init(struct rk_tilt *tilt, double *values, const size_t *first, size_t units) {
+    *tilt = (struct rk_tilt){.z = values, .first = first, .units = units, .count = first[units]};
+    standardise(tilt);
     find_extremes(tilt);
-    return RK_OK;
 }
 
 void rk_tilt_clear(struct rk_tilt *tilt) {

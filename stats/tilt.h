@@ -42,10 +42,9 @@ struct rk_tilt_point {
     double unit_n_eff; /* units that carry the weight */
 };
 
-/* Standardise `values`; z is allocated, to be freed by rk_tilt_clear. `first` is kept, not owned.
- */
-enum rk_status rk_tilt_init(struct rk_tilt *tilt, const double *values, const size_t *first,
-                            size_t units, struct rk_error *err);
+/* Standardise `values` where they lie: they become z, which the tilt then owns and rk_tilt_clear
+ * frees. `first` is kept, not owned. */
+void rk_tilt_init(struct rk_tilt *tilt, double *values, const size_t *first, size_t units);
 void rk_tilt_clear(struct rk_tilt *tilt);
 
 /* The extreme that sums at theta are taken about. */

@@ -3,9 +3,13 @@
 #include "ensemble/analysis/private.h"
 #include "stats/stats.h"
 
+#include <math.h>
+
 static const struct rk_piece *const analyses[] = {
     &rk_analysis_rise.piece,
     &rk_analysis_ldf.piece,
+    &rk_analysis_pdf.piece,
+    &rk_analysis_relax.piece,
 };
 
 const struct rk_registry rk_analysis_registry = {"analysis",
@@ -18,6 +22,29 @@ void rk_analysis_add_interval(struct rk_result *result, const char *const names[
     rk_result_scalar(result, names[0], unit, doc, x->estimate * factor);
     rk_result_scalar(result, names[1], unit, "lower end of its interval", x->low * factor);
     rk_result_scalar(result, names[2], unit, "upper end of its interval", x->high * factor);
+}
+
+void rk_analysis_say_interval(char *text, size_t size, int digits, double x, double low,
+                              double high) {
+    if (!isfinite(x)) {
+        snprintf(text, size, "refused");
+    } else if (isfinite(low) && isfinite(high)) {
+        snprintf(text, size, "%.*g [%.*g, %.*g]", digits, x, digits, low, digits, high);
+    } else {
+        snprintf(text, size, "%.*g (no interval)", digits, x);
+    }
+}
+
+void rk_analysis_print_interval(const struct rk_result *result, const char *name, int width,
+                                FILE *out) {
+    char low[64], high[64], text[96];
+    snprintf(low, sizeof low, "%s_low", name);
+    snprintf(high, sizeof high, "%s_high", name);
+    const struct rk_value *value = rk_result_find(result, name);
+    double x = rk_result_number(result, name);
+    rk_analysis_say_interval(text, sizeof text, 6, x, rk_result_number(result, low),
+                             rk_result_number(result, high));
+    fprintf(out, "%-*s %s  %s\n", width, name, text, value ? value->doc : "");
 }
 
 enum rk_status rk_analysis_check_span(uint64_t from, uint64_t to,

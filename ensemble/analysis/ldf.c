@@ -2,30 +2,64 @@
  * averaged over windows of whole periods. */
 #include "ensemble/analysis/ldf.h"
 
-#include "ensemble/analysis/plot.h"
+#include "base/memory.h"
 #include "ensemble/analysis/private.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const struct rk_param_group groups[] = {{"", rk_ldf_params, RK_LDF_PARAMS, 0, false}};
-static const struct rk_param_table table = {groups, 1, sizeof(struct rk_ldf_options)};
+#define OF(member) .offset = offsetof(struct rk_ldf_request, member)
+
+static const struct rk_param more[] = {
+    {.name = "doublings",
+     .type = RK_PARAM_COUNT,
+     OF(doublings),
+     .unit = "",
+     .value = 0,
+     .low = 0,
+     .high = 6,
+     .doc = "also windows 2, 4, .. times as long, doubled so often: the limit of long windows"},
+    {.name = "compare",
+     .type = RK_PARAM_FLAG,
+     OF(compare),
+     .unit = "",
+     .value = 0,
+     .doc = "compare every point with the first: where do the rate functions differ?"},
+};
+
+static const struct rk_param_group groups[] = {
+    {"", rk_ldf_params, RK_LDF_PARAMS, offsetof(struct rk_ldf_request, options), false},
+    {"", more, sizeof more / sizeof *more, 0, false},
+};
+static const struct rk_param_table table = {groups, 2, sizeof(struct rk_ldf_request)};
+
+size_t rk_ldf_windows_of(uint64_t window, uint64_t doublings,
+                         uint64_t windows[RK_LDF_WINDOWS_MOST]) {
+    size_t count = 0;
+    for (uint64_t d = 0; d <= doublings && count < RK_LDF_WINDOWS_MOST; d++) {
+        windows[count++] = window << d;
+    }
+    return count;
+}
 
 static enum rk_status check(const void *params, const struct rk_schedule *schedule,
                             struct rk_error *err) {
-    const struct rk_ldf_options *p = params;
+    const struct rk_ldf_request *request = params;
+    const struct rk_ldf_options *p = &request->options;
+    uint64_t longest = p->window << request->doublings;
     uint64_t periods = rk_schedule_periods(schedule);
     enum rk_status status = rk_analysis_check_span(p->from, p->to, schedule, err);
     if (status != RK_OK) {
         return status;
     }
     uint64_t end = p->to > 0 ? p->to : periods;
-    if (p->window > end - p->from) {
-        return rk_fail_about(err, RK_EINVALID, "window",
+    if (longest > end - p->from) {
+        return rk_fail_about(err, RK_EINVALID, request->doublings > 0 ? "doublings" : "window",
                              "a window of %llu periods does not fit between period %llu and "
                              "period %llu",
-                             (unsigned long long)p->window, (unsigned long long)p->from,
+                             (unsigned long long)longest, (unsigned long long)p->from,
                              (unsigned long long)end);
     }
     if (p->points % 2 == 0) {
@@ -37,99 +71,151 @@ static enum rk_status check(const void *params, const struct rk_schedule *schedu
     return RK_OK;
 }
 
-static void fill_scalars(struct rk_result *result, const struct rk_ldf *ldf,
-                         const struct rk_ldf_units *units) {
-    static const char *const minimum[] = {"minimum", "minimum_low", "minimum_high"};
-    static const char *const curvature[] = {"curvature", "curvature_low", "curvature_high"};
-    static const char *const at_zero[] = {"at_zero", "at_zero_low", "at_zero_high"};
-    rk_analysis_add_interval(result, minimum, units->value,
-                             "where the rate function is 0: the mean", &ldf->minimum, 1);
-    rk_result_scalar(result, "interval_low", units->value,
-                     "the rate function has intervals from here", ldf->interval_low);
-    rk_result_scalar(result, "interval_high", units->value, "to here", ldf->interval_high);
-    rk_result_scalar(result, "point_low", units->value,
-                     "it is estimated, if without interval, from here", ldf->point_low);
-    rk_result_scalar(result, "point_high", units->value, "to here; beyond it is refused",
-                     ldf->point_high);
-    rk_analysis_add_interval(result, at_zero, units->per_time,
-                             "the rate function at 0; nan where 0 is beyond what can be estimated",
-                             &ldf->at_zero, 1);
-    rk_analysis_add_interval(result, curvature, "",
-                             "second derivative of lambda at k = 0: tau times variance",
-                             &ldf->curvature, 1);
-    rk_result_scalar(result, "level", "", "probability that an interval is to cover",
-                     ldf->minimum.level);
-    rk_result_scalar(result, "tau", units->time, "length of a window", ldf->tau);
-    rk_result_scalar(result, "windows", "", "number of windows", (double)ldf->windows);
-    rk_result_scalar(result, "units", "", "replicas, or blocks of the only one, resampled",
-                     (double)ldf->units);
-    rk_result_scalar(result, "k_low", units->k, "convergence limit on the negative side",
-                     ldf->k_low);
-    rk_result_scalar(result, "k_high", units->k, "convergence limit on the positive side",
-                     ldf->k_high);
-    rk_result_scalar(result, "drift", "", "second minus first half of the time, in standard errors",
-                     ldf->drift);
-    rk_result_scalar(result, "lag_one", "", "correlation of consecutive windows", ldf->lag_one);
+static const struct rk_ldf_units units = {"sqrt(g d)", "sqrt(d/g)", "sqrt(g/d)", "1/d", "1/d"};
+
+/* A refusal of what comes on top of the estimate is a sentence of the verdict. */
+static void add_sentence(struct rk_result *result, const char *before, const char *sentence) {
+    size_t used = strlen(result->verdict);
+    snprintf(result->verdict + used, sizeof result->verdict - used, " %s%s", before, sentence);
 }
 
-void rk_ldf_fill(struct rk_result *result, const struct rk_ldf *ldf,
-                 const struct rk_ldf_units *units) {
-    size_t n = ldf->points;
-    snprintf(result->verdict, sizeof result->verdict, "%s", ldf->text);
-    fill_scalars(result, ldf, units);
-    rk_result_column(result, "k", units->k, "tilt", n, ldf->k);
-    rk_result_column(result, "lambda", units->per_time, "scaled cumulant generating function", n,
-                     ldf->lambda);
-    rk_result_column(result, "lambda_low", units->per_time, "lower end of its interval", n,
-                     ldf->lambda_low);
-    rk_result_column(result, "lambda_high", units->per_time, "upper end of its interval", n,
-                     ldf->lambda_high);
-    rk_result_column(result, "a", units->value, "window average at that tilt", n, ldf->mean);
-    rk_result_column(result, "rate", units->per_time, "rate function at a", n, ldf->rate);
-    rk_result_column(result, "rate_low", units->per_time, "lower end of its interval", n,
-                     ldf->rate_low);
-    rk_result_column(result, "rate_high", units->per_time, "upper end of its interval", n,
-                     ldf->rate_high);
-    rk_result_column(result, "n_eff", "", "windows that carry the weight", n, ldf->n_eff);
-    const char **words = calloc(n + 1, sizeof *words);
-    if (!words) {
-        result->short_of_memory = true;
-        return;
+static void add_limit(struct rk_result *result, const struct rk_ldf_limit *l) {
+    static const char *const at_zero[] = {"limit_at_zero", "limit_at_zero_low",
+                                          "limit_at_zero_high"};
+    static const char *const curvature[] = {"limit_curvature", "limit_curvature_low",
+                                            "limit_curvature_high"};
+    const char *rate = units.per_time;
+    size_t n = l->points;
+    add_sentence(result, "", l->text);
+    rk_analysis_add_interval(result, at_zero, rate, "the limit of long windows at 0", &l->at_zero,
+                             1);
+    rk_analysis_add_interval(result, curvature, "", "limit of tau times variance", &l->curvature,
+                             1);
+    rk_result_scalar(result, "limit_distance", "",
+                     "largest |lambda - limit| of the longest windows, in half-widths of their "
+                     "intervals",
+                     l->distance);
+    rk_result_scalar(result, "limit_misfit", "",
+                     "slope of the longest less that of the shortest windows, in deviations",
+                     l->misfit);
+    rk_result_column(result, "limit_k", units.k, "tilt of the limit", n, l->k);
+    rk_result_column(result, "limit_lambda", rate, "lambda in the limit of long windows", n,
+                     l->lambda);
+    rk_result_column(result, "limit_lambda_low", rate, "lower end of its interval", n,
+                     l->lambda_low);
+    rk_result_column(result, "limit_lambda_high", rate, "upper end", n, l->lambda_high);
+    rk_result_column(result, "limit_a", units.value, "a in that limit", n, l->mean);
+    rk_result_column(result, "limit_rate", rate, "rate function at limit_a in that limit", n,
+                     l->rate);
+    rk_result_column(result, "limit_rate_low", rate, "lower end of its interval", n, l->rate_low);
+    rk_result_column(result, "limit_rate_high", rate, "upper end", n, l->rate_high);
+}
+
+static enum rk_status estimate_limit(struct rk_result *result, const struct rk_ldf_request *request,
+                                     const struct rk_ldf_options *options,
+                                     const struct rk_point_data *data, struct rk_error *err) {
+    uint64_t windows[RK_LDF_WINDOWS_MOST];
+    size_t count = rk_ldf_windows_of(options->window, request->doublings, windows);
+    struct rk_ldf_limit *limit;
+    enum rk_status status = rk_ldf_limit_estimate(&limit, data->series, RK_SERIES_INTEGRAL, windows,
+                                                  count, options, &data->stream, err);
+    if (status == RK_OK) {
+        add_limit(result, limit);
+        rk_ldf_limit_free(limit);
     }
-    for (size_t i = 0; i < n; i++) {
-        words[i] = rk_verdict_name(ldf->verdict[i]);
+    return status;
+}
+
+/* Columns of the points' number in any case, so that every point of a study has the same. */
+static void add_comparison(struct rk_result *result, const struct rk_ldf_comparison *c, size_t n,
+                           const double *none) {
+    rk_result_scalar(result, "compare_chance", "",
+                     "probability of so large a difference from the first point by chance",
+                     c ? c->chance : (double)NAN);
+    rk_result_scalar(result, "compare_low", units.value, "both have intervals from here",
+                     c ? c->low : (double)NAN);
+    rk_result_scalar(result, "compare_high", units.value, "to here", c ? c->high : (double)NAN);
+    rk_result_column(result, "compare_a", units.value, "where the two are compared", n,
+                     c ? c->a : none);
+    rk_result_column(result, "compare_difference", units.per_time, "this rate less the first's", n,
+                     c ? c->difference : none);
+    rk_result_column(result, "compare_low_end", units.per_time,
+                     "lower end of the band that holds for all a at once", n,
+                     c ? c->difference_low : none);
+    rk_result_column(result, "compare_high_end", units.per_time, "upper end", n,
+                     c ? c->difference_high : none);
+}
+
+static enum rk_status compare(struct rk_result *result, const struct rk_ldf *ldf,
+                              const struct rk_ldf_options *options,
+                              const struct rk_point_data *data, struct rk_error *err) {
+    const struct rk_point_data *first = data->reference;
+    struct rk_ldf *other = NULL;
+    struct rk_ldf_comparison *c = NULL;
+    enum rk_status status = RK_OK;
+    double *none = rk_array_create(ldf->points, sizeof *none);
+    if (!none) {
+        return rk_fail(err, RK_EMEMORY, "out of memory");
     }
-    rk_result_words(result, "verdict", "interval, point (no interval) or refused", n, words);
-    free((void *)words);
+    for (size_t i = 0; i < ldf->points; i++) {
+        none[i] = NAN;
+    }
+    if (first) {
+        struct rk_ldf_options its = *options;
+        its.window = options->window / data->samples_per_period * first->samples_per_period;
+        its.from = options->from / data->samples_per_period * first->samples_per_period;
+        its.to = options->to / data->samples_per_period * first->samples_per_period;
+        status =
+            rk_ldf_estimate(&other, first->series, RK_SERIES_INTEGRAL, &its, &first->stream, err);
+        if (status == RK_OK) {
+            status = rk_ldf_compare(&c, ldf, other, ldf->points, (size_t)options->bootstrap,
+                                    &data->stream, err);
+        }
+    }
+    add_comparison(result, c, ldf->points, none);
+    if (c) {
+        char before[128];
+        snprintf(before, sizeof before, "Against %s: ", first->point);
+        add_sentence(result, before, c->text);
+    }
+    rk_ldf_comparison_free(c);
+    rk_ldf_free(other);
+    free(none);
+    return status;
 }
 
 static enum rk_status estimate(const void *params, const struct rk_point_data *data,
                                struct rk_result *result, struct rk_error *err) {
-    static const struct rk_ldf_units units = {"sqrt(g d)", "sqrt(d/g)", "sqrt(g/d)", "1/d"};
-    struct rk_ldf_options options = *(const struct rk_ldf_options *)params;
+    const struct rk_ldf_request *request = params;
+    struct rk_ldf_options options = request->options;
     options.window *= data->samples_per_period;
     options.from *= data->samples_per_period;
     options.to *= data->samples_per_period;
     struct rk_ldf *ldf;
     enum rk_status status =
         rk_ldf_estimate(&ldf, data->series, RK_SERIES_INTEGRAL, &options, &data->stream, err);
-    if (status == RK_OK) {
-        rk_ldf_fill(result, ldf, &units);
-        rk_ldf_free(ldf);
+    if (status != RK_OK) {
+        return status;
     }
-    return status;
+    rk_ldf_fill(result, ldf, &units);
+    struct rk_error why = RK_NO_ERROR;
+    if (request->doublings > 0) {
+        status = estimate_limit(result, request, &options, data, &why);
+        if (status != RK_OK) {
+            add_sentence(result, "No limit of long windows: ", why.message);
+        }
+    }
+    if (request->compare && status != RK_EMEMORY) {
+        status = compare(result, ldf, &options, data, &why);
+        if (status != RK_OK) {
+            add_sentence(result, "No comparison with the first point: ", why.message);
+        }
+    }
+    rk_ldf_free(ldf);
+    return status == RK_EMEMORY ? rk_fail_as(err, &why) : RK_OK;
 }
 
 static const char head[] = "minimum [sqrt(g d)]             intervals for a in   I(0) [sqrt(g/d)]";
-
-/* "0.056 [0.048, 0.069]", or "0.056 (no interval)" where the verdict is a point. */
-static void say_interval(char *text, size_t size, int digits, double x, double low, double high) {
-    if (isfinite(low) && isfinite(high)) {
-        snprintf(text, size, "%.*g [%.*g, %.*g]", digits, x, digits, low, digits, high);
-    } else {
-        snprintf(text, size, "%.*g (no interval)", digits, x);
-    }
-}
 
 static void headline(const struct rk_result *result, FILE *out) {
     char text[96];
@@ -141,92 +227,13 @@ static void headline(const struct rk_result *result, FILE *out) {
     fprintf(out, "%-20s ", text);
     double zero = rk_result_number(result, "at_zero");
     if (isfinite(zero)) {
-        say_interval(text, sizeof text, 3, zero, rk_result_number(result, "at_zero_low"),
-                     rk_result_number(result, "at_zero_high"));
+        rk_analysis_say_interval(text, sizeof text, 3, zero,
+                                 rk_result_number(result, "at_zero_low"),
+                                 rk_result_number(result, "at_zero_high"));
         fprintf(out, "%s", text);
     } else {
         fprintf(out, "beyond the data");
     }
-}
-
-void rk_ldf_print(const struct rk_result *result, FILE *out) {
-    static const char *const rows[][2] = {
-        {"minimum", "minimum_low"}, {"at_zero", "at_zero_low"}, {"curvature", "curvature_low"}};
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        char high[32], text[96];
-        snprintf(high, sizeof high, "%s_high", rows[i][0]);
-        const struct rk_value *value = rk_result_find(result, rows[i][0]);
-        double x = rk_result_number(result, rows[i][0]);
-        if (isfinite(x)) {
-            say_interval(text, sizeof text, 6, x, rk_result_number(result, rows[i][1]),
-                         rk_result_number(result, high));
-            fprintf(out, "%-10s %s  %s\n", rows[i][0], text, value->doc);
-        } else {
-            fprintf(out, "%-10s refused  %s\n", rows[i][0], value->doc);
-        }
-    }
-    fprintf(out, "%-10s %.6g  %s\n", "tau", rk_result_number(result, "tau"), "length of a window");
-    fprintf(out, "%s\n", result->verdict);
-}
-
-/* " over tau = 3.95 sqrt(d/g)" where all the curves have the same window, else "". */
-static void say_tau(const struct rk_picture *p, char *text, size_t size) {
-    const struct rk_value *tau = rk_result_find(p->panels[0].result, "tau");
-    text[0] = '\0';
-    for (size_t i = 0; i < p->count; i++) {
-        if (!tau || rk_result_number(p->panels[i].result, "tau") != tau->numbers[0]) {
-            return;
-        }
-    }
-    snprintf(text, size, " over %.4g %s", tau->numbers[0], tau->unit);
-}
-
-static void write_axes(const struct rk_picture *p, FILE *out) {
-    static const char *const names[] = {"a", "rate"};
-    char unit[2][64] = {"", ""}, tau[64];
-    say_tau(p, tau, sizeof tau);
-    for (size_t i = 0; i < 2; i++) {
-        const struct rk_value *value = rk_result_find(p->panels[0].result, names[i]);
-        if (value && value->unit[0] != '\0') {
-            snprintf(unit[i], sizeof unit[i], " [%s]", value->unit);
-        }
-    }
-    fprintf(out,
-            "set xlabel \"a, %s%s%s\" noenhanced\nset ylabel \"rate function I(a)%s\" "
-            "noenhanced\nset yrange [0:*]\nset key below height 1.2\n"
-            "set arrow 1 from 0, graph 0 to 0, graph 1 nohead linecolor rgb \"#999999\" "
-            "dashtype 3\n",
-            p->quantity ? p->quantity : "vertical velocity of the intruder averaged", tau, unit[0],
-            unit[1]);
-}
-
-/* Bands and a thick line where there are intervals; as far as there are points, hollow dots on a
- * thin line. */
-static void picture(const struct rk_picture *p, FILE *out) {
-    write_axes(p, out);
-    fprintf(out, "believed(x, v) = (v eq \"refused\") ? NaN : x\n"
-                 "sure(x, v) = (v eq \"interval\") ? x : NaN\n"
-                 "plot \\\n");
-    for (size_t i = 0; i < p->count; i++) {
-        const struct rk_panel *panel = &p->panels[i];
-        const char *colour = rk_plot_colour(i);
-        fprintf(out,
-                "  \"%s\" using \"a\":\"rate_low\":\"rate_high\" with filledcurves "
-                "fillcolor rgb \"#c0%s\" notitle, \\\n"
-                "  \"%s\" using \"a\":(believed(column(\"rate\"), strcol(\"verdict\"))) with lines "
-                "linewidth 1 linecolor rgb \"#%s\" notitle, \\\n"
-                "  \"%s\" using \"a\":(strcol(\"verdict\") eq \"point\" ? column(\"rate\") : NaN) "
-                "with points pointtype 6 pointsize 0.8 linecolor rgb \"#%s\" notitle, \\\n"
-                "  \"%s\" using \"a\":(sure(column(\"rate\"), strcol(\"verdict\"))) with lines "
-                "linewidth 3 linecolor rgb \"#%s\" title \"%s\" noenhanced, \\\n",
-                panel->file, colour, panel->file, colour, panel->file, colour, panel->file, colour,
-                panel->point);
-    }
-    fprintf(out,
-            "  keyentry with filledcurves fillcolor rgb \"#c0000000\" title \"%g %% interval\", "
-            "\\\n  keyentry with points pointtype 6 pointsize 0.8 linecolor rgb \"#000000\" "
-            "title \"without interval; refused beyond\"\n",
-            100 * rk_result_number(p->panels[0].result, "level"));
 }
 
 static const struct rk_analysis_methods methods = {
@@ -235,7 +242,7 @@ static const struct rk_analysis_methods methods = {
     .title = "large-deviation function of the intruder's vertical velocity, relative to the plate",
     .head = head,
     .headline = headline,
-    .picture = picture,
+    .picture = rk_ldf_draw_curve,
 };
 
 const struct rk_analysis rk_analysis_ldf = {

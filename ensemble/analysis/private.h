@@ -18,6 +18,9 @@ struct rk_point_data {
     uint64_t samples_per_period;    /* intervals of the series a period */
     double period;                  /* in the time of the series */
     struct rk_stream stream;        /* of the bootstrap */
+    /* The first point of the study; NULL for that point itself, or when none of its runs is done.
+     */
+    const struct rk_point_data *reference;
 };
 
 struct rk_picture; /* ensemble/analysis/plot.h */
@@ -37,13 +40,29 @@ struct rk_analysis_methods {
     bool panels; /* one panel a point, otherwise all points in one */
 };
 
-extern const struct rk_analysis rk_analysis_rise, rk_analysis_ldf;
+extern const struct rk_analysis rk_analysis_rise, rk_analysis_ldf, rk_analysis_pdf,
+    rk_analysis_relax;
 
 /* Add an interval as three scalars: the estimate as names[0], its ends as names[1] and names[2],
  * each times `factor`. */
 void rk_analysis_add_interval(struct rk_result *result, const char *const names[3],
                               const char *unit, const char *doc, const struct rk_interval *x,
                               double factor);
+
+/* "0.056 [0.048, 0.069]", "0.056 (no interval)" where the ends are not finite, "refused" where it
+ * is not a number. */
+void rk_analysis_say_interval(char *text, size_t size, int digits, double x, double low,
+                              double high);
+
+/* A line of the interval `name`, `name`_low, `name`_high: its name in `width` columns, the numbers,
+ * the doc. */
+void rk_analysis_print_interval(const struct rk_result *result, const char *name, int width,
+                                FILE *out);
+
+/* The heights once a period, at its beginning. data and lengths of *once are the caller's, free
+ * with free(). RK_EMEMORY. */
+enum rk_status rk_analysis_once_a_period(const struct rk_point_data *data, struct rk_series *once,
+                                         struct rk_error *err);
 
 /* Is [from, to) of periods (to = 0: the end) inside a run? RK_EINVALID about "from" or "to". */
 enum rk_status rk_analysis_check_span(uint64_t from, uint64_t to,

@@ -18,32 +18,48 @@ void rk_notice_say(const struct rk_notice *notice, const char *format, ...) {
     }
 }
 
-/* A refusal is an outcome; only a shortage of memory ends the whole report. */
-static enum rk_status estimate(const struct rk_plan *plan, size_t p, const struct rk_gathered *g,
-                               const struct rk_request *request, struct rk_outcome *outcome,
-                               struct rk_error *err) {
+/* The runs of a point, and how an analysis sees them. */
+struct gathered_point {
+    struct rk_gathered g;
+    struct rk_series series;
+    struct rk_point_data data;
+};
+
+static enum rk_status gather(struct gathered_point *point, const char *folder,
+                             const struct rk_plan *plan, size_t p, const struct rk_notice *notice,
+                             struct rk_error *err) {
     const struct rk_study *study = plan->study;
-    const struct rk_point *point = &study->points[p];
-    struct rk_schedule schedule = study->scene->schedule(point->params);
-    struct rk_series series = {g->values, g->done, g->samples, g->samples, g->lengths, g->interval};
-    struct rk_point_data data = {
-        .point = point->name,
-        .series = &series,
+    struct rk_gathered *g = &point->g;
+    struct rk_schedule schedule = study->scene->schedule(study->points[p].params);
+    enum rk_status status = rk_gather(folder, plan, p, RK_REPORT_OBSERVABLE, notice, g, err);
+    point->series =
+        (struct rk_series){g->values, g->done, g->samples, g->samples, g->lengths, g->interval};
+    point->data = (struct rk_point_data){
+        .point = study->points[p].name,
+        .series = &point->series,
         .samples_per_period = schedule.samples_per_period,
         .period = schedule.period,
-        .stream = rk_stream_of(study->seed, point->key, 0, RK_FOR_BOOTSTRAP, 0),
+        .stream = rk_stream_of(study->seed, study->points[p].key, 0, RK_FOR_BOOTSTRAP, 0),
     };
+    return status;
+}
+
+/* A refusal is an outcome; only a shortage of memory ends the whole report. */
+static enum rk_status estimate(const struct gathered_point *point, const struct rk_request *request,
+                               struct rk_outcome *outcome, struct rk_error *err) {
+    const struct rk_gathered *g = &point->g;
     struct rk_error reason = RK_NO_ERROR;
-    enum rk_status status = g->done > 0
-                                ? request->analysis->methods->estimate(request->params, &data,
-                                                                       &outcome->result, &reason)
-                                : rk_fail(&reason, RK_EREFUSED, "no run of this point is done");
-    outcome->point = point->name;
+    enum rk_status status =
+        g->done > 0 ? request->analysis->methods->estimate(request->params, &point->data,
+                                                           &outcome->result, &reason)
+                    : rk_fail(&reason, RK_EREFUSED, "no run of this point is done");
+    outcome->point = point->data.point;
     outcome->used = g->done;
     outcome->failed = g->failed;
     outcome->missing = g->missing;
     if (status == RK_EMEMORY || outcome->result.short_of_memory) {
-        return rk_fail(err, RK_EMEMORY, "out of memory in the analysis of point %s", point->name);
+        return rk_fail(err, RK_EMEMORY, "out of memory in the analysis of point %s",
+                       point->data.point);
     }
     if (status != RK_OK) {
         rk_result_clear(&outcome->result);
@@ -53,22 +69,26 @@ static enum rk_status estimate(const struct rk_plan *plan, size_t p, const struc
     return RK_OK;
 }
 
+/* The first point stays in memory: others may be compared with it. */
 static enum rk_status fill(const char *folder, const struct rk_notice *notice,
                            struct rk_report *report, struct rk_error *err) {
     const struct rk_plan *plan = report->plan;
+    struct gathered_point first = {0}, other = {0};
     enum rk_status status = RK_OK;
     size_t failed = 0;
     for (size_t p = 0; p < plan->study->point_count && status == RK_OK; p++) {
-        struct rk_gathered g;
-        status = rk_gather(folder, plan, p, RK_REPORT_OBSERVABLE, notice, &g, err);
+        struct gathered_point *point = p == 0 ? &first : &other;
+        status = gather(point, folder, plan, p, notice, err);
+        point->data.reference = p > 0 && first.g.done > 0 ? &first.data : NULL;
         for (size_t i = 0; i < report->count && status == RK_OK; i++) {
-            status = estimate(plan, p, &g, report->entries[i].request,
-                              &report->entries[i].outcomes[p], err);
+            status =
+                estimate(point, report->entries[i].request, &report->entries[i].outcomes[p], err);
         }
-        report->used += g.done;
-        failed += g.failed;
-        rk_gathered_clear(&g);
+        report->used += point->g.done;
+        failed += point->g.failed;
+        rk_gathered_clear(&other.g);
     }
+    rk_gathered_clear(&first.g);
     if (status == RK_OK && report->used == 0 && failed > 0) {
         return rk_fail(err, RK_EIO,
                        "no run of this study can be used: %zu of %zu failed; 'reckon status' says "

@@ -71,6 +71,14 @@ enum rk_status rk_report_plot(const struct rk_analysis *analysis, const char *ti
                               const char *quantity, const struct rk_result *result,
                               const char *path, struct rk_error *err);
 
+/* The same drawn by `draw`, with the title and the quantity of `model`; `ending` is put before the
+ * ".png" ("" or "-limit"), and so before the endings of table and script. */
+struct rk_picture;
+enum rk_status rk_report_plot_as(const struct rk_picture *model, const char *ending,
+                                 void (*draw)(const struct rk_picture *picture, FILE *out),
+                                 const struct rk_result *result, const char *path,
+                                 struct rk_error *err);
+
 /* The names of the files that rk_report_write wrote. */
 void rk_report_print_files(const struct rk_report *report, const char *folder, FILE *out);
 

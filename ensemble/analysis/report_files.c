@@ -15,6 +15,8 @@ struct page {
     const struct rk_report_entry *entry;
     const struct rk_result *result;
     const struct rk_picture *picture;
+    void (*draw)(const struct rk_picture *picture, FILE *out); /* commands of a script */
+    bool panels;
     void (*write)(const struct page *page, FILE *out);
 };
 
@@ -31,9 +33,8 @@ static void write_json(const struct page *page, FILE *out) {
 }
 
 static void write_script(const struct page *page, FILE *out) {
-    const struct rk_analysis_methods *methods = page->entry->request->analysis->methods;
-    rk_plot_begin(page->picture, methods->panels, out);
-    methods->picture(page->picture, out);
+    rk_plot_begin(page->picture, page->panels, out);
+    page->draw(page->picture, out);
 }
 
 /* A reader sees the old file or the new one, never half of one. */
@@ -107,7 +108,12 @@ static enum rk_status draw_entry(const struct page *page, const char *folder,
 static enum rk_status write_entry(const struct rk_report *report,
                                   const struct rk_report_entry *entry, const char *folder,
                                   const struct rk_notice *notice, struct rk_error *err) {
-    struct page page = {.report = report, .entry = entry, .write = write_summary};
+    const struct rk_analysis_methods *methods = entry->request->analysis->methods;
+    struct page page = {.report = report,
+                        .entry = entry,
+                        .draw = methods->picture,
+                        .panels = methods->panels,
+                        .write = write_summary};
     char name[3 * RK_NAME];
     snprintf(name, sizeof name, "%s.csv", entry->label);
     enum rk_status status = write_file(folder, name, &page, err);
@@ -184,26 +190,33 @@ static enum rk_status split_path(const char *path, char folder[4096], char name[
     return RK_OK;
 }
 
-enum rk_status rk_report_plot(const struct rk_analysis *analysis, const char *title,
-                              const char *quantity, const struct rk_result *result,
-                              const char *path, struct rk_error *err) {
-    char folder[4096], name[RK_NAME], table[RK_NAME + 8], script[RK_NAME + 8];
-    enum rk_status status = split_path(path, folder, name, err);
+enum rk_status rk_report_plot_as(const struct rk_picture *model, const char *ending,
+                                 void (*draw_it)(const struct rk_picture *picture, FILE *out),
+                                 const struct rk_result *result, const char *path,
+                                 struct rk_error *err) {
+    char folder[4096], base[RK_NAME], name[RK_NAME + 16], table[RK_NAME + 24], script[RK_NAME + 24];
+    enum rk_status status = split_path(path, folder, base, err);
     if (status != RK_OK) {
         return status;
     }
+    snprintf(name, sizeof name, "%s%s", base, ending);
     snprintf(table, sizeof table, "%s.csv", name);
     snprintf(script, sizeof script, "%s.gp", name);
-    const struct rk_request request = {analysis, NULL};
-    const struct rk_report_entry entry = {.request = &request};
-    const struct rk_panel panel = {name, table, result};
-    const struct rk_picture picture = {name, title, quantity, &panel, 1};
+    const struct rk_panel panel = {base, table, result};
+    const struct rk_picture picture = {name, model->title, model->quantity, &panel, 1};
     struct page page = {
-        .entry = &entry, .result = result, .picture = &picture, .write = write_columns};
+        .result = result, .picture = &picture, .draw = draw_it, .write = write_columns};
     status = write_file(folder, table, &page, err);
     if (status == RK_OK) {
         page.write = write_script;
         status = write_file(folder, script, &page, err);
     }
     return status == RK_OK ? rk_plot_run(folder, script, err) : status;
+}
+
+enum rk_status rk_report_plot(const struct rk_analysis *analysis, const char *title,
+                              const char *quantity, const struct rk_result *result,
+                              const char *path, struct rk_error *err) {
+    const struct rk_picture model = {.title = title, .quantity = quantity};
+    return rk_report_plot_as(&model, "", analysis->methods->picture, result, path, err);
 }

@@ -22,9 +22,8 @@ static enum rk_status check(const void *params, const struct rk_schedule *schedu
     return rk_analysis_check_span(p->from, p->to, schedule, err);
 }
 
-/* Once a period. data and lengths of *once are the caller's, free with free(). */
-static enum rk_status once_a_period(const struct rk_point_data *data, struct rk_series *once,
-                                    struct rk_error *err) {
+enum rk_status rk_analysis_once_a_period(const struct rk_point_data *data, struct rk_series *once,
+                                         struct rk_error *err) {
     const struct rk_series *all = data->series;
     size_t stride = data->samples_per_period;
     size_t samples = all->samples > 0 ? (all->samples - 1) / stride + 1 : 0;
@@ -125,7 +124,7 @@ static enum rk_status estimate_rate(const struct rk_rate_options *params,
 static enum rk_status estimate(const void *params, const struct rk_point_data *data,
                                struct rk_result *result, struct rk_error *err) {
     struct rk_series heights;
-    enum rk_status status = once_a_period(data, &heights, err);
+    enum rk_status status = rk_analysis_once_a_period(data, &heights, err);
     if (status == RK_OK) {
         status = estimate_rate(params, &heights, result, err);
         free((void *)(uintptr_t)heights.data);

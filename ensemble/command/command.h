@@ -62,7 +62,11 @@ struct rk_command {
 extern const struct rk_command rk_command_analyze;
 extern const struct rk_command rk_command_check;
 extern const struct rk_command rk_command_describe;
+extern const struct rk_command rk_command_forces;
 extern const struct rk_command rk_command_ldf;
+extern const struct rk_command rk_command_pdf;
+extern const struct rk_command rk_command_relax;
+extern const struct rk_command rk_command_resonance;
 extern const struct rk_command rk_command_run;
 extern const struct rk_command rk_command_status;
 

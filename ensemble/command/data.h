@@ -1,5 +1,6 @@
-/* Commands that analyse data of any origin: a point of a study, any HDF5 dataset, any column of a
- * CSV file. They share how data are named and read, and how results are given out.
+/* Commands that analyse data of any origin: a point of a study, the file of a run, any HDF5
+ * dataset, any column of a CSV file. They share how data are named and read, and how results are
+ * given out.
  *
  * A command's options begin with a struct rk_data_options, its rows with RK_DATA_ROWS; its `main`
  * hands a struct rk_data_command to rk_data_main.
@@ -23,9 +24,10 @@ struct rk_data_options {
 
 /* What is analysed. */
 struct rk_data {
+    const char *name; /* the operand, or the point of a study */
     struct rk_samples samples;
     double interval;
-    bool study;     /* it is of a study: times are in sqrt(d/g) */
+    bool study;     /* it is of a study or a run: times are in sqrt(d/g) */
     bool integral;  /* as asked, or because it is the height of a study's intruder */
     uint64_t scale; /* intervals in the unit that window, from and to are given in */
     struct rk_stream stream;
@@ -44,27 +46,55 @@ struct rk_data_command {
 int rk_data_main(const struct rk_data_command *command, const char *operand,
                  const struct rk_data_options *o, const void *options);
 
+/* Is the operand a folder? The file of a run, "*.h5" without a dataset? */
+bool rk_data_is_folder(const char *operand);
+bool rk_data_is_run(const char *operand);
+
+/* An option that would be passed over for such an operand is refused with RK_EINVALID: a
+ * misunderstanding, not a wish. */
+enum rk_status rk_data_check(const struct rk_data_options *o, const char *operand,
+                             struct rk_error *err);
+
+/* What is written beside a picture, its name followed by `ending`, must not take the place of the
+ * data it is made from: RK_EINVALID. */
+enum rk_status rk_data_spare(const char *operand, const char *plot, const char *ending,
+                             struct rk_error *err);
+
+/* Read a study's folder (`study` is what lies in it, `point` which of it), the file of a run,
+ * "FILE.h5:/DATASET", or a table (`study` is NULL). Release data->samples with rk_samples_clear. */
+enum rk_status rk_data_read(struct rk_data *data, const char *operand, const struct rk_study *study,
+                            const char *point, const struct rk_data_options *o,
+                            struct rk_error *err);
+
+/* The last steps, for a command that reads its data itself: estimate, draw, print. */
+int rk_data_give(const struct rk_data_command *command, const char *operand,
+                 const struct rk_data_options *o, const void *options, const struct rk_data *data);
+
 /* The rows of struct rk_data_options, which is the member `data` of `type`. */
 #define RK_DATA_ROW(type, member) .offset = offsetof(struct type, data.member)
 /* clang-format off */
-#define RK_DATA_ROWS(of)                                                                          \
+#define RK_DATA_SPAN_ROWS(of)                                                                     \
     {.name = "from", .type = RK_OPTION_COUNT, RK_DATA_ROW(of, from), .argument = "N",             \
      .fallback = "0", .high = 1e9,                                                                \
      .doc = "leave out what is before: samples, or periods of a study"},                          \
     {.name = "to", .type = RK_OPTION_COUNT, RK_DATA_ROW(of, to), .argument = "N",                 \
-     .fallback = "0", .high = 1e9, .doc = "leave out what is after; 0 is the end"},               \
+     .fallback = "0", .high = 1e9, .doc = "leave out what is after; 0 is the end"}
+#define RK_DATA_ROWS(of)                                                                          \
+    RK_DATA_SPAN_ROWS(of),                                                                        \
     {.name = "interval", .type = RK_OPTION_REAL, RK_DATA_ROW(of, interval), .argument = "T",      \
      .fallback = "1", .low = 1e-300, .high = 1e300, .doc = "time between two samples of a file"}, \
-    RK_DATA_SOURCE_ROWS(of)
-#define RK_DATA_SOURCE_ROWS(of)                                                                   \
+    RK_DATA_FILE_ROWS(of), RK_DATA_STUDY_ROWS(of)
+#define RK_DATA_FILE_ROWS(of)                                                                   \
     {.name = "column", .letter = 'c', .type = RK_OPTION_TEXT, RK_DATA_ROW(of, column),            \
      .argument = "NAME", .doc = "column of a CSV file, by name or number"},                       \
     {.name = "replica", .letter = 'r', .type = RK_OPTION_TEXT, RK_DATA_ROW(of, replica),          \
-     .argument = "NAME", .doc = "column that says which replica a row is of"},                    \
+     .argument = "NAME", .doc = "column that says which replica a row is of"}
+#define RK_DATA_STUDY_ROWS(of)                                                                    \
     {.name = "point", .letter = 'p', .type = RK_OPTION_TEXT, RK_DATA_ROW(of, point),              \
      .argument = "NAME", .doc = "point of a study"},                                              \
     {.name = "observable", .type = RK_OPTION_TEXT, RK_DATA_ROW(of, observable),                   \
-     .argument = "NAME", .fallback = RK_REPORT_OBSERVABLE, .doc = "of a study"}
+     .argument = "NAME", .fallback = RK_REPORT_OBSERVABLE,           \
+     .doc = "of a study or a run"}
 #define RK_DATA_WINDOW_ROWS(of, length)                                                           \
     {.name = "window", .letter = 'w', .type = RK_OPTION_COUNT, RK_DATA_ROW(of, window),           \
      .argument = "N", .fallback = length, .low = 1, .high = 1e9,                                  \

@@ -1,67 +1,164 @@
-/* reckon ldf: the large-deviation function of a point of a study, of any HDF5 dataset or of any
- * column of a CSV file. */
-#include "ensemble/analysis/ldf.h"
-#include "ensemble/analysis/private.h"
-#include "ensemble/command/data.h"
+/* reckon ldf: the large-deviation function of a point of a study, of a run, of any HDF5 dataset or
+ * of any column of a CSV file. */
+#include "ensemble/analysis/report.h"
+#include "ensemble/command/ldf_parts.h"
 
-#include <math.h>
+#include <stddef.h>
 
-struct ldf_options {
-    struct rk_data_options data;
-    uint64_t points;
-    double k_low, k_high;
-};
+/* The first part that was asked for and refused. */
+static enum rk_status find_refusal(const struct rk_ldf_parts *parts, struct rk_error *err) {
+    static const char *const what[RK_LDF_PARTS] = {[RK_LDF_LIMIT] = "limit of long windows",
+                                                   [RK_LDF_DIRECT] = "histogram",
+                                                   [RK_LDF_SYMMETRY] = "symmetry function",
+                                                   [RK_LDF_COMPARISON] = "comparison"};
+    for (size_t i = 0; i < RK_LDF_PARTS; i++) {
+        const struct rk_ldf_part *part = &parts->part[i];
+        if (what[i] && part->asked && part->status != RK_OK) {
+            return rk_fail(err, part->status, "%s: %.400s", what[i], part->result.verdict);
+        }
+    }
+    return RK_OK;
+}
 
-static enum rk_status estimate(const void *values, const struct rk_data *data,
-                               struct rk_result *result, struct rk_error *err) {
-    const struct ldf_options *o = values;
-    const struct rk_samples *s = &data->samples;
-    const struct rk_ldf_units units = {"", data->study ? "sqrt(d/g)" : "", "", ""};
-    struct rk_series series = {s->values,  s->replicas, s->samples,
-                               s->samples, s->lengths,  data->interval};
-    struct rk_ldf_options options = {
-        .window = o->data.window * data->scale,
-        .from = o->data.from * data->scale,
-        .to = o->data.to * data->scale,
-        .bootstrap = o->data.bootstrap,
-        .points = o->points,
-        .level = o->data.level,
-        .k_low = isnan(o->k_low) ? 0 : o->k_low,
-        .k_high = isnan(o->k_high) ? 0 : o->k_high,
-    };
-    struct rk_ldf *ldf;
-    enum rk_status status =
-        rk_ldf_estimate(&ldf, &series, data->integral ? RK_SERIES_INTEGRAL : RK_SERIES_RATE,
-                        &options, &data->stream, err);
+/* From the data to the answer; what is there is printed, whatever part is refused. */
+static enum rk_status answer(const struct rk_ldf_wish *o, struct rk_ldf_request *request,
+                             const struct rk_data *data, const struct rk_data *other,
+                             struct rk_error *err) {
+    uint64_t windows[RK_LDF_WINDOWS_MOST];
+    size_t count = 0;
+    struct rk_ldf_parts parts = {0};
+    enum rk_status status = rk_ldf_wish_resolve(o, request, windows, &count, err);
     if (status == RK_OK) {
-        rk_ldf_fill(result, ldf, &units);
-        rk_ldf_free(ldf);
+        status = rk_ldf_parts_make(&parts, o, &request->options, windows, count, data, other, err);
+    }
+    if (status == RK_OK) {
+        enum rk_status drawn = o->data.plot ? rk_ldf_parts_plot(&parts, o->data.plot, err) : RK_OK;
+        if (drawn != RK_EINVALID) { /* the numbers are there without the picture */
+            rk_ldf_parts_print(&parts, o, data);
+        }
+        status = drawn != RK_OK ? drawn : find_refusal(&parts, err);
+    }
+    rk_ldf_parts_clear(&parts);
+    return status;
+}
+
+/* The data, and those to compare them with: another point of the folder, or another file. */
+static enum rk_status read_inputs(const char *operand, const struct rk_study *study,
+                                  const struct rk_ldf_wish *o, struct rk_data inputs[2],
+                                  struct rk_error *err) {
+    enum rk_status status = rk_data_read(&inputs[0], operand, study, o->data.point, &o->data, err);
+    if (status == RK_OK && o->compare) {
+        status = rk_data_read(&inputs[1], study ? operand : o->compare, study, o->compare, &o->data,
+                              err);
     }
     return status;
 }
 
 static int ldf(const void *options, size_t count, char *const *operands) {
-    static const struct rk_data_command command = {
-        &rk_analysis_ldf, "large-deviation function", "observable averaged", true, estimate,
-        rk_ldf_print};
-    const struct ldf_options *o = options;
     (void)count;
-    return rk_data_main(&command, operands[0], &o->data, options);
+    const struct rk_ldf_wish *o = options;
+    const char *operand = operands[0];
+    struct rk_error err = RK_NO_ERROR;
+    struct rk_data inputs[2] = {{0}, {0}};
+    struct rk_study *study = NULL;
+    if (rk_ldf_wish_check(o, operand, &err) != RK_OK) {
+        return rk_complain(&err);
+    }
+    if (rk_data_is_folder(operand)) {
+        int code = rk_command_load_folder(operand, &study);
+        if (code != RK_EXIT_DONE) {
+            return code;
+        }
+    }
+    int code = RK_EXIT_DONE;
+    enum rk_status status = read_inputs(operand, study, o, inputs, &err);
+    if (status != RK_OK) {
+        code = rk_complain(&err);
+        code = err.status == RK_EIO && !study ? RK_EXIT_USAGE : code;
+    } else {
+        struct rk_ldf_request request = rk_ldf_request_of(study);
+        status = answer(o, &request, &inputs[0], o->compare ? &inputs[1] : NULL, &err);
+        if (status != RK_OK) {
+            rk_error_locate(&err, "%s", operand);
+            code = rk_complain(&err);
+        }
+    }
+    rk_samples_clear(&inputs[0].samples);
+    rk_samples_clear(&inputs[1].samples);
+    rk_study_free(study);
+    return code;
 }
 
-#define AT(member) .offset = offsetof(struct ldf_options, member)
+#define AT(member) .offset = offsetof(struct rk_ldf_wish, member)
 
 static const struct rk_option options[] = {
-    RK_DATA_WINDOW_ROWS(ldf_options, "5"),
-    RK_DATA_ROWS(ldf_options),
+    {.name = "window",
+     .letter = 'w',
+     .type = RK_OPTION_COUNT,
+     AT(data.window),
+     .argument = "N",
+     .low = 1,
+     .high = 1e9,
+     .doc = "length of the windows: samples, or periods of a study; the study's, or 5"},
+    {.name = "windows",
+     .type = RK_OPTION_TEXT,
+     AT(windows),
+     .argument = "N,N,..",
+     .doc = "several lengths: their table and the limit of long windows"},
+    {.name = "from",
+     .type = RK_OPTION_REAL,
+     AT(from),
+     .argument = "N",
+     .high = 1e9,
+     .doc = "leave out what is before (in the same unit); the study's, or 0"},
+    {.name = "to",
+     .type = RK_OPTION_REAL,
+     AT(to),
+     .argument = "N",
+     .high = 1e9,
+     .doc = "leave out what is after; the study's, or 0, the end"},
+    {.name = "symmetry",
+     .type = RK_OPTION_FLAG,
+     AT(symmetry),
+     .doc = "also I(-a) - I(a) and its slope"},
+    {.name = "direct",
+     .type = RK_OPTION_FLAG,
+     AT(direct),
+     .doc = "also the rate function from a histogram of the windows"},
+    {.name = "bins",
+     .type = RK_OPTION_COUNT,
+     AT(bins),
+     .argument = "N",
+     .low = 1,
+     .high = 1000,
+     .doc = "of that histogram; chosen from the data otherwise"},
+    {.name = "compare",
+     .type = RK_OPTION_TEXT,
+     AT(compare),
+     .argument = "OTHER",
+     .doc = "another point of the study, or another file: where do they differ?"},
+    {.name = "integral",
+     .letter = 'i',
+     .type = RK_OPTION_FLAG,
+     AT(data.integral),
+     .doc = "the data are the observable's integral in time (a height for a velocity)"},
+    {.name = "interval",
+     .type = RK_OPTION_REAL,
+     AT(data.interval),
+     .argument = "T",
+     .fallback = "1",
+     .low = 1e-300,
+     .high = 1e300,
+     .doc = "time between two samples of a file"},
+    RK_DATA_FILE_ROWS(rk_ldf_wish),
+    RK_DATA_STUDY_ROWS(rk_ldf_wish),
     {.name = "points",
      .type = RK_OPTION_COUNT,
      AT(points),
      .argument = "N",
-     .fallback = "81",
      .low = 5,
      .high = 10001,
-     .doc = "points of the curve, an odd number"},
+     .doc = "points of the curve, an odd number; the study's, or 81"},
     {.name = "k-low",
      .type = RK_OPTION_REAL,
      AT(k_low),
@@ -76,22 +173,51 @@ static const struct rk_option options[] = {
      .low = 0,
      .high = 1e300,
      .doc = "likewise"},
-    RK_DATA_BOOTSTRAP_ROWS(ldf_options, "1000", 100),
-    RK_DATA_OUTPUT_ROWS(ldf_options),
+    {.name = "bootstrap",
+     .type = RK_OPTION_COUNT,
+     AT(data.bootstrap),
+     .argument = "N",
+     .low = 100,
+     .high = 1e6,
+     .doc = "resamplings behind the intervals; the study's, or 1000"},
+    {.name = "level",
+     .type = RK_OPTION_REAL,
+     AT(data.level),
+     .argument = "P",
+     .low = 0.5,
+     .high = 0.999,
+     .doc = "probability that an interval is to cover; the study's, or 0.95"},
+    {.name = "seed",
+     .type = RK_OPTION_COUNT,
+     AT(data.seed),
+     .argument = "N",
+     .fallback = "1",
+     .high = 0x1p64,
+     .doc = "of the resampling of a file's data"},
+    {.name = "plot",
+     .type = RK_OPTION_TEXT,
+     AT(data.plot),
+     .argument = "FILE.png",
+     .doc = "picture, its script (.gp) and table (.csv) beside it"},
+    {.name = "json", .type = RK_OPTION_FLAG, AT(data.json), .doc = "everything as JSON"},
+    {.name = "csv",
+     .type = RK_OPTION_FLAG,
+     AT(data.csv),
+     .doc = "the curve as CSV; of --windows, --direct, --symmetry or --compare theirs"},
 };
 
 const struct rk_command rk_command_ldf = {
     .name = "ldf",
     .summary = "large-deviation function of a study, an HDF5 dataset or a CSV column",
-    .usage = "DIR --point NAME | FILE.h5:/DATASET | FILE.csv [OPTIONS]",
+    .usage = "DIR --point NAME | RUN.h5 | FILE.h5:/DATASET | FILE.csv [OPTIONS]",
     .about =
         "Averages the data over windows and estimates how improbable each average is,\n"
         "p(A = a) ~ exp(-tau I(a)), with intervals from resampling whole replicas. What the\n"
         "data cannot support is refused. A dataset has one dimension (time) or two (replica x\n"
-        "time).",
+        "time). For a study, what is not given is as its own analysis `ldf` has it.",
     .options = options,
     .option_count = sizeof options / sizeof *options,
-    .size = sizeof(struct ldf_options),
+    .size = sizeof(struct rk_ldf_wish),
     .operands_min = 1,
     .operands_max = 1,
     .example = "reckon ldf heights.csv --column height --replica run --integral --window 20",

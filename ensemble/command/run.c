@@ -2,8 +2,10 @@
 #include "ensemble/command/command.h"
 #include "ensemble/command/progress.h"
 #include "ensemble/runner.h"
+#include "ensemble/runner/ranks.h"
 #include "ensemble/store.h"
 
+#include <errno.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -14,7 +16,7 @@
 enum { REASONS_SHOWN = 5 };
 
 struct run_options {
-    const char *output;
+    const char *output, *shard;
     uint64_t threads;
     double checkpoint;
     bool quiet;
@@ -35,6 +37,11 @@ static const struct rk_option options[] = {
      .low = 1,
      .high = 4096,
      .doc = "replicas at a time (default: one a core); changes no result"},
+    {.name = "shard",
+     .type = RK_OPTION_TEXT,
+     .offset = offsetof(struct run_options, shard),
+     .argument = "I/N",
+     .doc = "only the I-th of N parts of the plan, as a task of a job array"},
     {.name = "checkpoint",
      .type = RK_OPTION_REAL,
      .offset = offsetof(struct run_options, checkpoint),
@@ -111,10 +118,12 @@ static void list_reasons(const char *folder, const struct rk_plan *plan, size_t 
 }
 
 static int summarise(const char *folder, const struct rk_plan *plan,
-                     const struct rk_run_report *report, bool quiet) {
+                     const struct rk_run_report *report, const struct run_options *o) {
+    bool quiet = o->quiet;
     if (!quiet) {
-        printf("%s: %zu of %zu runs done, %zu failed, %zu missing\n", folder, report->done,
-               plan->count, report->failed, report->missing);
+        printf("%s: %zu of %zu runs%s%s done, %zu failed, %zu missing\n", folder, report->done,
+               report->runs, o->shard ? " of shard " : "", o->shard ? o->shard : "", report->failed,
+               report->missing);
     }
     list_reasons(folder, plan, report->failed);
     if (report->missing > 0) {
@@ -123,44 +132,91 @@ static int summarise(const char *folder, const struct rk_plan *plan,
         }
         return RK_EXIT_INTERRUPTED;
     }
-    if (!quiet && report->done > 0) {
+    if (!quiet && report->done > 0 && !o->shard) {
         printf("next: reckon analyze %s\n", folder);
     }
     return report->failed > 0 ? RK_EXIT_REPLICAS : RK_EXIT_DONE;
 }
 
-static int run_plan(const char *folder, const struct rk_plan *plan, const struct run_options *o) {
+/* "2/8" as the second of eight. */
+static enum rk_status read_shard(const char *text, struct rk_runner_options *runner,
+                                 struct rk_error *err) {
+    char *rest;
+    if (!text) {
+        return RK_OK;
+    }
+    errno = 0;
+    unsigned long long shard = strtoull(text, &rest, 10);
+    unsigned long long shards = *rest == '/' ? strtoull(rest + 1, &rest, 10) : 0;
+    if (strspn(text, "0123456789/") != strlen(text) || *rest != '\0' || errno != 0 || shard < 1 ||
+        shard > shards || shards > RK_RUNS_MAX) {
+        return rk_fail(err, RK_EINVALID,
+                       "--shard: '%.64s' will not do, it must be like 2/8, the second of eight "
+                       "parts",
+                       text);
+    }
+    runner->shard = shard;
+    runner->shards = shards;
+    return RK_OK;
+}
+
+static int run_plan(const char *folder, const struct rk_plan *plan, const struct run_options *o,
+                    struct rk_ranks *ranks, bool *met) {
     struct rk_store *store = NULL;
     struct rk_error err = RK_NO_ERROR;
     struct rk_run_report report = {0};
-    catch_signals();
-    if (rk_store_open(folder, plan, &store, &err) != RK_OK) {
-        return rk_complain(&err);
-    }
-    size_t surplus = rk_store_surplus(folder, plan);
-    if (surplus > 0) {
-        rk_warn("'%s' holds %zu finished run%s beyond the replicas that the study asks for now; "
-                "kept, but not counted",
-                folder, surplus, surplus == 1 ? "" : "s");
-    }
-    bool shows = !o->quiet && rk_shows_progress();
-    struct rk_runner_options runner = {.threads = (int)o->threads,
+    bool led = rk_ranks_number(ranks) > 0; /* what is to be said is said by rank 0 */
+    bool shows = !o->quiet && !led && rk_shows_progress();
+    /* Under mpirun there is a process a core, or it is told how many threads each may have. */
+    struct rk_runner_options runner = {.threads = ranks && o->threads == 0 ? 1 : (int)o->threads,
+                                       .ranks = ranks,
                                        .checkpoint_every = o->checkpoint,
                                        .stop = stop,
                                        .progress = shows ? progress : NULL,
                                        .message = message,
                                        .context = &shows};
+    catch_signals();
+    if (read_shard(o->shard, &runner, &err) != RK_OK ||
+        rk_store_open(folder, plan, &store, &err) != RK_OK) {
+        return rk_complain(&err);
+    }
+    size_t surplus = led ? 0 : rk_store_surplus(folder, plan);
+    if (surplus > 0) {
+        rk_warn("'%s' holds %zu finished run%s beyond the replicas that the study asks for now; "
+                "kept, but not counted",
+                folder, surplus, surplus == 1 ? "" : "s");
+    }
     enum rk_status status = rk_runner_run(plan, store, &runner, &report, &err);
     rk_store_close(store);
+    *met = status != RK_EMEMORY;
     if (shows) {
         rk_progress_clear();
     }
+    if (led && status != RK_EIO) {
+        return RK_EXIT_DONE;
+    }
     if (status == RK_OK || status == RK_EINTERRUPTED) {
-        return summarise(folder, plan, &report, o->quiet);
+        return summarise(folder, plan, &report, o);
     }
     list_reasons(folder, plan, report.failed);
     rk_complain(&err);
     return RK_EXIT_FAILED;
+}
+
+/* As one of several ranks, if mpirun or the like started this program. */
+static int run_ranked(const char *folder, const struct rk_plan *plan, const struct run_options *o) {
+    struct rk_ranks *ranks = NULL;
+    struct rk_error err = RK_NO_ERROR;
+    if (rk_ranks_wanted() && rk_ranks_join(&ranks, &err) != RK_OK) {
+        return rk_complain(&err);
+    }
+    /* A rank that never met the others ends without leave, and mpirun ends them. */
+    bool met = false;
+    int code = run_plan(folder, plan, o, ranks, &met);
+    if (met) {
+        rk_ranks_leave(ranks);
+    }
+    return code;
 }
 
 static int run_main(const void *values, size_t count, char *const *operands) {
@@ -176,7 +232,7 @@ static int run_main(const void *values, size_t count, char *const *operands) {
     if (rk_plan_create(study, &plan, &err) != RK_OK) {
         code = rk_complain(&err);
     } else {
-        code = run_plan(o->output ? o->output : study->name, plan, o);
+        code = run_ranked(o->output ? o->output : study->name, plan, o);
     }
     rk_plan_free(plan);
     rk_study_free(study);
@@ -186,11 +242,13 @@ static int run_main(const void *values, size_t count, char *const *operands) {
 const struct rk_command rk_command_run = {
     .name = "run",
     .summary = "carry out a study: start it, resume it, extend it",
-    .usage = "STUDY [-o DIR]",
+    .usage = "STUDY [-o DIR] [--shard I/N]",
     .about = "Carries out the replicas that are missing in the study's folder, one a core, the\n"
              "longest first. Ctrl-C keeps what is done and lets running replicas write a\n"
              "checkpoint; the same command goes on from there, also after a power cut, with the\n"
              "same bytes in the end. More replicas in the study file are added to those there.\n"
+             "Several may run in one folder, on one machine or many: under mpirun, as shards, or\n"
+             "just started twice. Each replica is done by one of them.\n"
              "Exit codes: 0 all done, 3 some replicas failed, 130 stopped, 1 an error of the disk.",
     .options = options,
     .option_count = sizeof options / sizeof *options,

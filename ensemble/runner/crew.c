@@ -131,6 +131,7 @@ static void take_up(struct rk_berth *berth, size_t i) {
     enum rk_status status = rk_claim_take(crew->worker, run, &mine, NULL, &why);
     if (status == RK_OK && !mine) {
         crew->states[i] = RK_RUN_STARTED; /* elsewhere */
+        berth->done = 0;
         return;
     }
     if (status == RK_OK) {
@@ -147,7 +148,16 @@ static void take_up(struct rk_berth *berth, size_t i) {
 
 /* ---- All of them ---- */
 
-static bool next(struct rk_crew *crew, size_t *i) {
+/* Is this one of several ranks, and not the one that hands out? */
+static bool is_led(const struct rk_crew *crew) {
+    return rk_ranks_number(crew->options->ranks) > 0;
+}
+
+static bool next(struct rk_berth *berth, size_t *i) {
+    struct rk_crew *crew = berth->crew;
+    if (is_led(crew)) {
+        return rk_ranks_ask(crew->options->ranks, &berth->news, i) && *i < crew->plan->count;
+    }
     pthread_mutex_lock(&crew->mutex);
     bool found = crew->next < crew->count;
     if (found) {
@@ -157,12 +167,37 @@ static bool next(struct rk_crew *crew, size_t *i) {
     return found;
 }
 
+/* A run that is handed to another rank counts as being done elsewhere until it says what became of
+ * it, or until its file does. */
+bool rk_crew_deal_out(void *context, const struct rk_ranks_news *news, size_t *run) {
+    struct rk_crew *crew = context;
+    bool over = rk_crew_stop(crew) || atomic_load(&crew->broken);
+    pthread_mutex_lock(&crew->mutex);
+    bool found = crew->dealing && !over && crew->next < crew->count;
+    if (found) {
+        *run = crew->order[crew->next++];
+        crew->states[*run] = RK_RUN_STARTED;
+    }
+    crew->progress.grain_steps += news->grain_steps;
+    if (news->run < crew->plan->count && crew->states[news->run] == RK_RUN_STARTED &&
+        (news->state == RK_RUN_DONE || news->state == RK_RUN_FAILED)) {
+        crew->states[news->run] = (uint8_t)news->state;
+        crew->progress.done += news->state == RK_RUN_DONE;
+        crew->progress.failed += news->state == RK_RUN_FAILED;
+    }
+    rk_crew_tell(crew, false);
+    pthread_mutex_unlock(&crew->mutex);
+    return found;
+}
+
 /* A stop request or a broken disk leaves the runs that have not begun. */
 static void *member(void *context) {
     struct rk_berth *berth = context;
     struct rk_crew *crew = berth->crew;
-    for (size_t i; !stop(berth) && !atomic_load(&crew->broken) && next(crew, &i);) {
+    berth->news.run = RK_RANKS_NONE;
+    for (size_t i; !stop(berth) && !atomic_load(&crew->broken) && next(berth, &i);) {
         take_up(berth, i);
+        berth->news = (struct rk_ranks_news){i, crew->states[i], berth->done};
     }
     return NULL;
 }
@@ -170,7 +205,10 @@ static void *member(void *context) {
 /* Threads of their own and not a team of OpenMP's, so that each can have a team for its scene. The
  * calling thread is the first of them; a thread that is not to be had is done without. */
 enum rk_status rk_crew_work(struct rk_crew *crew, struct rk_error *err) {
-    size_t threads = crew->count < (size_t)crew->threads ? crew->count : (size_t)crew->threads;
+    size_t threads = (size_t)crew->threads;
+    if (!is_led(crew) && crew->count < threads) {
+        threads = crew->count;
+    }
     if (threads == 0) {
         return RK_OK;
     }

@@ -10,6 +10,7 @@
 #define RK_ENSEMBLE_RUNNER_CREW_H
 
 #include "ensemble/runner.h"
+#include "ensemble/runner/ranks.h"
 #include "ensemble/store/worker.h"
 
 #include <pthread.h>
@@ -20,8 +21,9 @@ struct rk_crew;
 /* What one thread of a crew is at; guarded by the crew's mutex. */
 struct rk_berth {
     struct rk_crew *crew;
-    const struct rk_run *run; /* NULL between two runs */
-    double done, spared;      /* grain-steps of it, carried out and found not to be needed */
+    const struct rk_run *run;  /* NULL between two runs */
+    double done, spared;       /* grain-steps of it, carried out and found not to be needed */
+    struct rk_ranks_news news; /* for rank 0; the thread's own */
 };
 
 /* All but the atomics is guarded by the mutex, unless it is said to be constant. */
@@ -47,6 +49,7 @@ struct rk_crew {
     int troubles;          /* runs in a row that met an error of the disk */
     size_t *order;         /* the runs to do now, a part of share[] */
     size_t count, next;
+    bool dealing;         /* also to other ranks */
     pthread_cond_t ended; /* of the work: the pulse need not wait its turn */
     bool over;
 };
@@ -69,6 +72,9 @@ void rk_crew_list(struct rk_crew *crew, enum rk_run_state state);
 
 /* Carry out what order[] lists. */
 enum rk_status rk_crew_work(struct rk_crew *crew, struct rk_error *err);
+
+/* Rank 0: what another rank is to do next, and what it has done. `context` is the crew. */
+bool rk_crew_deal_out(void *context, const struct rk_ranks_news *news, size_t *run);
 
 /* Progress of a thread; and one that tells the user, with the mutex held. */
 void rk_crew_advance(struct rk_berth *berth, double grain_steps);

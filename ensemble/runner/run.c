@@ -7,12 +7,16 @@
 #include "ensemble/store/h5md.h"
 #include "ensemble/store/spool.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Grain-steps between two looks at the stop request: some 10 ms. */
 static const double stop_grain_steps = 3e5;
+
+/* Seconds of preparation that are worth a checkpoint. */
+static const double first_checkpoint = 1;
 
 struct paths {
     struct rk_path spool, checkpoint, partial, final;
@@ -220,10 +224,11 @@ static enum rk_status resume(struct work *w, struct rk_error *err) {
     return RK_OK;
 }
 
-/* Prepare the bed and record step 0. The first checkpoint is taken at once: a bed may take longer
- * to settle than its run to be shaken. */
+/* Prepare the bed and record step 0. The first checkpoint is taken at once where that took its time:
+ * a bed may take longer to settle than its run to be shaken. */
 static enum rk_status begin(struct work *w, struct rk_error *err) {
     struct rk_cancel cancel = {w->hooks->stop, w->hooks->context};
+    double start = rk_clock();
     enum rk_status status =
         w->scene_case->prepare(w->params, rk_run_stream(w->plan, w->run, RK_FOR_GRAINS, 0),
                                w->hooks->stop ? &cancel : NULL, &w->scene, &w->preparation, err);
@@ -242,7 +247,8 @@ static enum rk_status begin(struct work *w, struct rk_error *err) {
     if (status == RK_OK) {
         status = record(w, err);
     }
-    return status == RK_OK ? checkpoint(w, err) : status;
+    bool worth = rk_clock() - start >= fmin(first_checkpoint, w->hooks->checkpoint_every);
+    return status == RK_OK && worth ? checkpoint(w, err) : status;
 }
 
 /* ---- Going on ---- */

@@ -38,16 +38,16 @@ static void count_up(struct rk_crew *crew) {
 
 /* Runs that were being done elsewhere: done by now, still at it, or left by a worker that died. */
 static void look_again(struct rk_crew *crew) {
-    rk_crew_list(crew, RK_RUN_STARTED);
     size_t left = 0;
+    pthread_mutex_lock(&crew->mutex);
+    crew->dealing = false;
+    rk_crew_list(crew, RK_RUN_STARTED);
     for (size_t k = 0; k < crew->count; k++) {
         size_t i = crew->order[k];
         enum rk_run_state state =
             rk_store_run_state(crew->folder, crew->plan, &crew->plan->runs[i]);
-        bool finished = state == RK_RUN_DONE || state == RK_RUN_FAILED;
-        if (finished) {
+        if (state == RK_RUN_DONE || state == RK_RUN_FAILED) {
             crew->states[i] = (uint8_t)state;
-            crew->progress.total -= crew->plan->runs[i].cost;
             crew->progress.done += state == RK_RUN_DONE;
             crew->progress.failed += state == RK_RUN_FAILED;
         } else {
@@ -55,11 +55,15 @@ static void look_again(struct rk_crew *crew) {
         }
     }
     crew->count = left;
+    rk_crew_tell(crew, false);
+    pthread_mutex_unlock(&crew->mutex);
 }
 
+/* Ranks and shards know of each other. */
 static void say_who(struct rk_crew *crew, const char *format) {
     char who[96], line[256];
-    if (rk_store_shared(crew->store, who)) {
+    if (rk_ranks_count(crew->options->ranks) == 1 && crew->options->shards == 0 &&
+        rk_store_shared(crew->store, who)) {
         snprintf(line, sizeof line, format, who);
         rk_crew_message(crew, line);
     }
@@ -69,8 +73,6 @@ static void say_who(struct rk_crew *crew, const char *format) {
 static enum rk_status work(struct rk_crew *crew, struct rk_error *err) {
     const struct timespec pause = {.tv_nsec = 100000000};
     bool said = false;
-    rk_crew_list(crew, RK_RUN_WAITING);
-    rk_crew_tell(crew, true);
     enum rk_status status = rk_crew_work(crew, err);
     for (look_again(crew);
          crew->count > 0 && status == RK_OK && !rk_crew_stop(crew) && !atomic_load(&crew->lost);
@@ -83,6 +85,36 @@ static enum rk_status work(struct rk_crew *crew, struct rk_error *err) {
         nanosleep(&pause, NULL);
     }
     rk_crew_tell(crew, true);
+    return status;
+}
+
+/* Rank 0 knows what is done and hands out the rest; the others ask. Waiting for runs that are done
+ * elsewhere is rank 0's part, which takes them over should a rank die and MPI let it live. */
+static enum rk_status work_as_led(struct rk_crew *crew, struct rk_error *err) {
+    enum rk_status status = rk_crew_work(crew, err);
+    rk_ranks_retire(crew->options->ranks);
+    return status;
+}
+
+/* The others are answered also when nothing comes of it. */
+static enum rk_status review_and_work(struct rk_crew *crew, struct rk_error *err) {
+    struct rk_ranks *ranks = crew->options->ranks;
+    enum rk_status status = rk_crew_review(crew, err);
+    if (status == RK_OK) {
+        count_up(crew);
+        rk_crew_list(crew, RK_RUN_WAITING);
+        rk_crew_tell(crew, true);
+    }
+    if (rk_ranks_count(ranks) > 1) {
+        crew->dealing = status == RK_OK;
+        enum rk_status served =
+            rk_ranks_serve(ranks, rk_crew_deal_out, crew, status == RK_OK ? err : NULL);
+        status = status == RK_OK ? served : status;
+    }
+    if (status == RK_OK) {
+        status = work(crew, err);
+    }
+    rk_ranks_dismiss(ranks);
     return status;
 }
 
@@ -115,11 +147,8 @@ static enum rk_status work_and_leave(struct rk_crew *crew, struct rk_error *err)
     if (status != RK_OK) {
         return status;
     }
-    status = rk_crew_review(crew, err);
-    if (status == RK_OK) {
-        count_up(crew);
-        status = work(crew, err);
-    }
+    bool led = rk_ranks_number(crew->options->ranks) > 0;
+    status = led ? work_as_led(crew, err) : review_and_work(crew, err);
     rk_crew_pulse_stop(crew, pulse);
     if (!atomic_load(&crew->lost)) {
         enum rk_status left = leave(crew, status == RK_OK ? err : NULL);
@@ -149,7 +178,7 @@ enum rk_status rk_runner_run(const struct rk_plan *plan, struct rk_store *store,
     free(crew.order);
     free(crew.states);
     free(crew.berths);
-    if (status == RK_OK && report->missing > 0) {
+    if (status == RK_OK && report->missing > 0 && rk_ranks_number(options->ranks) == 0) {
         status = rk_fail(err, RK_EINTERRUPTED, "stopped on request");
     }
     return status;

@@ -59,6 +59,26 @@ static enum rk_status read_observable(const char *path, const char *name, struct
     return rk_h5_close(&h5);
 }
 
+static enum rk_status read_guarded(const char *path, const char *name, struct rk_observable *out,
+                                   struct rk_error *err) {
+    struct rk_h5_guard guard = rk_h5_enter();
+    enum rk_status status = read_observable(path, name, out, err);
+    rk_h5_leave(guard);
+    if (status != RK_OK) {
+        free(out->values);
+        *out = (struct rk_observable){0};
+    }
+    return status;
+}
+
+enum rk_status rk_store_read_file(const char *path, const char *name, struct rk_observable *out,
+                                  struct rk_error *err) {
+    *out = (struct rk_observable){0};
+    struct rk_seal seal;
+    enum rk_status status = rk_seal_verify(path, &seal, err);
+    return status == RK_OK ? read_guarded(path, name, out, err) : status;
+}
+
 enum rk_status rk_store_read(const char *folder, const struct rk_plan *plan,
                              const struct rk_run *run, const char *name, struct rk_observable *out,
                              struct rk_error *err) {
@@ -76,12 +96,5 @@ enum rk_status rk_store_read(const char *folder, const struct rk_plan *plan,
     if (status != RK_OK) {
         return status;
     }
-    struct rk_h5_guard guard = rk_h5_enter();
-    status = read_observable(path.text, name, out, err);
-    rk_h5_leave(guard);
-    if (status != RK_OK) {
-        free(out->values);
-        *out = (struct rk_observable){0};
-    }
-    return status;
+    return read_guarded(path.text, name, out, err);
 }

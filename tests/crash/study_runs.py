@@ -4,7 +4,7 @@ import pathlib
 import subprocess
 import sys
 
-RECKON, STUDY = sys.argv[1], pathlib.Path(sys.argv[2])
+RECKON, STUDY = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 
 
 def command(folder, *more, study=STUDY):

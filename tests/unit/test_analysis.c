@@ -46,6 +46,8 @@ static void estimate(const struct rk_analysis *analysis, double rise, struct rk_
     struct rk_series series = {heights, REPLICAS, ROWS, ROWS, NULL, 0.4};
     struct rk_point_data data = data_of(&series);
     rk_param_defaults(analysis->params, params);
+    /* Drawing samples to test a fit takes long and is tested elsewhere. */
+    rk_param_set(analysis->params, params, "goodness", "0", NULL);
     rk_result_init(result);
     assert_int_equal(analysis->methods->estimate(params, &data, result, &err), RK_OK);
     assert_false(result->short_of_memory);
@@ -90,6 +92,49 @@ static void ldf_in_its_units(void **state) {
     assert_true(rk_result_number(&result, "curvature_high") > curvature);
     assert_int_equal(rk_result_rows(&result), 81);
     rk_result_clear(&result);
+}
+
+/* Velocities over a period of 4 are sums of ten steps: nearly Gaussian, with the variance
+ * 10 0.1^2/12/4^2, whose estimate from 2400 has the relative error sqrt(2/2400). */
+static void pdf_in_its_units(void **state) {
+    (void)state;
+    struct rk_result result;
+    estimate(&rk_analysis_pdf, 0.25, &result);
+    assert_true(fabs(rk_result_number(&result, "q_location") - 0.25 / 4) < 5 * error / 4);
+    double q = rk_result_number(&result, "q"), s = rk_result_number(&result, "q_scale");
+    double variance = s * s / (5 - 3 * q) / (10 * 0.01 / 12 / 16);
+    assert_true(fabs(variance - 1) < 5 * sqrt(2.0 / (REPLICAS * PERIODS)));
+    assert_true(rk_result_number(&result, "samples") == REPLICAS * PERIODS);
+    assert_true(rk_result_rows(&result) > 10 && rk_result_find(&result, "stretched"));
+    rk_result_clear(&result);
+}
+
+/* Heights that come to 5 with T = 20, five periods, and stay there. */
+static void relax_in_its_units(void **state) {
+    (void)state;
+    double *heights = malloc(sizeof(double) * REPLICAS * ROWS);
+    struct rk_relax_options params = {.level = 0.95};
+    struct rk_error err = RK_NO_ERROR;
+    struct rk_result result;
+    assert_non_null(heights);
+    for (size_t r = 0; r < REPLICAS; r++) {
+        struct rk_stream stream = rk_stream_of(6, 0, r, RK_FOR_TESTS, 0);
+        for (size_t i = 0; i < ROWS; i++) {
+            double noise = 0.1 * (rk_stream_uniform(&stream) - 0.5);
+            heights[r * ROWS + i] = 5 - 2 * exp(-0.4 * (double)i / 20) + noise;
+        }
+    }
+    struct rk_series series = {heights, REPLICAS, ROWS, ROWS, NULL, 0.4};
+    struct rk_point_data data = data_of(&series);
+    rk_result_init(&result);
+    assert_int_equal(rk_analysis_relax.methods->estimate(&params, &data, &result, &err), RK_OK);
+    double low = rk_result_number(&result, "time_low"),
+           high = rk_result_number(&result, "time_high");
+    assert_true(fabs(rk_result_number(&result, "time") - 20) < 1.5 * (high - low));
+    assert_true(high - low < 1 && fabs(rk_result_number(&result, "final") - 5) < 0.01);
+    assert_int_equal(rk_result_rows(&result), PERIODS + 1);
+    rk_result_clear(&result);
+    free(heights);
 }
 
 static char *text_of(const struct rk_result *result, bool json) {
@@ -147,10 +192,9 @@ static void spans_are_checked(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rise_in_its_units),
-        cmocka_unit_test(ldf_in_its_units),
-        cmocka_unit_test(tables_hold_everything),
-        cmocka_unit_test(spans_are_checked),
+        cmocka_unit_test(rise_in_its_units),      cmocka_unit_test(ldf_in_its_units),
+        cmocka_unit_test(pdf_in_its_units),       cmocka_unit_test(relax_in_its_units),
+        cmocka_unit_test(tables_hold_everything), cmocka_unit_test(spans_are_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

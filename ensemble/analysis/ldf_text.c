@@ -1,0 +1,56 @@
+/* Large-deviation functions on the terminal. */
+#include "ensemble/analysis/ldf.h"
+#include "ensemble/analysis/private.h"
+
+#include <math.h>
+#include <stdio.h>
+
+void rk_ldf_print(const struct rk_result *result, FILE *out) {
+    static const char *const rows[] = {"minimum", "at_zero", "curvature"};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        rk_analysis_print_interval(result, rows[i], 10, out);
+    }
+    fprintf(out, "%-10s %.6g  %s\n", "tau", rk_result_number(result, "tau"), "length of a window");
+    fprintf(out, "%s\n", result->verdict);
+}
+
+static double at(const struct rk_result *result, const char *name, const char *ending, size_t row) {
+    char full[64];
+    snprintf(full, sizeof full, "%s%s", name, ending);
+    const struct rk_value *value = rk_result_find(result, full);
+    return value && value->numbers && row < value->count ? value->numbers[row] : (double)NAN;
+}
+
+void rk_ldf_print_windows(const struct rk_result *windows, const struct rk_result *limit,
+                          FILE *out) {
+    static const char *const shown[] = {"minimum", "at_zero", "curvature"};
+    fprintf(out, "%10s %8s  %-32s %-32s %s\n", "tau", "windows", "minimum", "I(0)", "curvature");
+    for (size_t row = 0; row <= rk_result_rows(windows); row++) {
+        bool last = row == rk_result_rows(windows);
+        if (last) {
+            fprintf(out, "%10s %8s ", "limit", "");
+        } else {
+            fprintf(out, "%10.6g %8.0f ", at(windows, "tau", "", row),
+                    at(windows, "windows", "", row));
+        }
+        for (size_t i = 0; i < 3; i++) {
+            const struct rk_result *from = last ? limit : windows;
+            size_t r = last ? 0 : row;
+            char text[96] = "";
+            if (!last || i > 0) {
+                rk_analysis_say_interval(text, sizeof text, 4, at(from, shown[i], "", r),
+                                         at(from, shown[i], "_low", r),
+                                         at(from, shown[i], "_high", r));
+            }
+            fprintf(out, i < 2 ? " %-32s" : " %s\n", text);
+        }
+    }
+    fprintf(out, "%s\n", limit->verdict);
+}
+
+void rk_ldf_print_symmetry(const struct rk_result *result, FILE *out) {
+    char text[96];
+    rk_analysis_say_interval(text, sizeof text, 6, at(result, "slope", "", 0),
+                             at(result, "slope", "_low", 0), at(result, "slope", "_high", 0));
+    fprintf(out, "%-10s %s  of I(-a) - I(a) against a\n%s\n", "slope", text, result->verdict);
+}

@@ -1,0 +1,251 @@
+/* Where the data of the commands that analyse them come from. */
+#include "ensemble/command/data.h"
+
+#include "ensemble/input/dataset.h"
+#include "ensemble/input/table.h"
+#include "ensemble/store.h"
+#include "ensemble/store/columns.h"
+#include "ensemble/store/files.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* "file.h5:/path/to/dataset": where the path begins, or NULL. */
+static const char *dataset_in(const char *operand) {
+    struct stat about;
+    const char *found = NULL;
+    for (const char *c = operand; (c = strstr(c, ":/")) != NULL; c++) {
+        found = c + 1;
+    }
+    return found && stat(operand, &about) != 0 ? found : NULL;
+}
+
+bool rk_data_is_folder(const char *operand) {
+    struct stat about;
+    return stat(operand, &about) == 0 && S_ISDIR(about.st_mode);
+}
+
+bool rk_data_is_run(const char *operand) {
+    size_t length = strlen(operand);
+    struct stat about;
+    return length > 3 && strcmp(operand + length - 3, ".h5") == 0 && !dataset_in(operand) &&
+           stat(operand, &about) == 0;
+}
+
+enum rk_status rk_data_check(const struct rk_data_options *o, const char *operand,
+                             struct rk_error *err) {
+    bool folder = rk_data_is_folder(operand), run = !folder && rk_data_is_run(operand);
+    if (o->json && o->csv) {
+        return rk_fail(err, RK_EINVALID, "--json and --csv: choose one of them");
+    }
+    if ((folder || run) && (o->column || o->replica)) {
+        return rk_fail(err, RK_EINVALID, "--column and --replica are for CSV files");
+    }
+    if ((folder || run) && o->interval != 1) {
+        return rk_fail(err, RK_EINVALID, "--interval is for files: a study knows its own");
+    }
+    if (!folder && o->point) {
+        return rk_fail(err, RK_EINVALID, "--point is for the folder of a study");
+    }
+    if (!folder && !run && strcmp(o->observable, RK_REPORT_OBSERVABLE) != 0) {
+        return rk_fail(err, RK_EINVALID, "--observable is for a study or the file of a run");
+    }
+    return RK_OK;
+}
+
+static bool same_file(const char *a, const char *b) {
+    struct stat first, second;
+    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
+           first.st_ino == second.st_ino;
+}
+
+enum rk_status rk_data_spare(const char *operand, const char *plot, const char *ending,
+                             struct rk_error *err) {
+    static const char *const kinds[] = {"csv", "gp", "png"};
+    const char *dot = strrchr(plot, '.');
+    for (size_t i = 0; dot && i < sizeof kinds / sizeof *kinds; i++) {
+        struct rk_path beside;
+        enum rk_status status =
+            rk_path_set(&beside, err, "%.*s%s.%s", (int)(dot - plot), plot, ending, kinds[i]);
+        if (status != RK_OK) {
+            return status;
+        }
+        if (same_file(operand, beside.text)) {
+            return rk_fail(err, RK_EINVALID,
+                           "--plot %.200s would write over the data in '%.200s'; choose another "
+                           "name",
+                           plot, operand);
+        }
+    }
+    return RK_OK;
+}
+
+static enum rk_status read_run(const char *operand, const struct rk_data_options *o,
+                               struct rk_data *data, struct rk_error *err) {
+    struct rk_observable recorded;
+    enum rk_status status = rk_store_read_file(operand, o->observable, &recorded, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    size_t *lengths = malloc(sizeof *lengths);
+    if (!lengths) {
+        free(recorded.values);
+        return rk_fail(err, RK_EMEMORY, "out of memory");
+    }
+    *lengths = recorded.samples;
+    data->samples = (struct rk_samples){recorded.values, lengths, 1, recorded.samples};
+    data->interval = recorded.interval;
+    data->integral = o->integral || strcmp(o->observable, RK_REPORT_OBSERVABLE) == 0;
+    data->study = true;
+    return RK_OK;
+}
+
+static enum rk_status read_file(const char *operand, const struct rk_data_options *o,
+                                struct rk_data *data, struct rk_error *err) {
+    const char *path = dataset_in(operand);
+    if (rk_data_is_run(operand)) {
+        return read_run(operand, o, data, err);
+    }
+    if (!path && strstr(operand, ".h5:")) {
+        return rk_fail(err, RK_EINVALID, "%.200s: the name of a dataset begins with '/'", operand);
+    }
+    if (!path) {
+        const struct rk_table_request request = {o->column, o->replica, 0};
+        return rk_table_read(operand, &request, &data->samples, err);
+    }
+    if (o->column || o->replica) {
+        return rk_fail(err, RK_EINVALID, "--column and --replica are for CSV files");
+    }
+    char *file = strndup(operand, (size_t)(path - 1 - operand));
+    if (!file) {
+        return rk_fail(err, RK_EMEMORY, "out of memory");
+    }
+    enum rk_status status = rk_dataset_read(file, path, &data->samples, err);
+    free(file);
+    return status;
+}
+
+static const char *point_name(const void *list, size_t i) {
+    return ((const struct rk_point *)list)[i].name;
+}
+
+static const char *observable_name(const void *list, size_t i) {
+    return ((const char(*)[RK_PARAM_PATH])list)[i];
+}
+
+static enum rk_status find_point(const struct rk_study *study, const char *name, size_t *index,
+                                 struct rk_error *err) {
+    if (!name && study->point_count == 1) {
+        *index = 0;
+        return RK_OK;
+    }
+    if (!name) {
+        return rk_fail(err, RK_EINVALID, "the study has %zu points; say which one: --point %s",
+                       study->point_count, study->points[0].name);
+    }
+    for (size_t i = 0; i < study->point_count; i++) {
+        if (strcmp(study->points[i].name, name) == 0) {
+            *index = i;
+            return RK_OK;
+        }
+    }
+    const char *nearest = rk_nearest_name(name, study->point_count, point_name, study->points);
+    return rk_fail(err, RK_EINVALID, "the study has no point '%.64s'%s", name,
+                   rk_hint_of(nearest, "").text);
+}
+
+/* "probe.column" of the study's case; a near miss is named. */
+static enum rk_status check_observable(const struct rk_case *scene, const char *name,
+                                       struct rk_error *err) {
+    char known[256][RK_PARAM_PATH];
+    size_t count = 0;
+    for (size_t p = 0; p < scene->probes->count; p++) {
+        const struct rk_probe *probe = rk_columns_probe(scene, p);
+        for (size_t c = 0; c < probe->count && count < 256; c++) {
+            snprintf(known[count], sizeof known[count], "%s.%s", probe->piece.name,
+                     probe->columns[c].name);
+            if (strcmp(known[count++], name) == 0) {
+                return RK_OK;
+            }
+        }
+    }
+    const char *nearest = rk_nearest_name(name, count, observable_name, known);
+    return rk_fail(err, RK_EINVALID, "there is no observable '%.64s'%s", name,
+                   rk_hint_of(nearest, "; they are called probe.column").text);
+}
+
+static void warn(void *context, const char *line) {
+    (void)context;
+    rk_warn("%s", line);
+}
+
+/* The runs of point `p` that are done; the arrays change hands. */
+static enum rk_status gather(const char *folder, const struct rk_plan *plan, size_t p,
+                             const struct rk_data_options *o, struct rk_data *data,
+                             struct rk_error *err) {
+    const struct rk_notice notice = {warn, NULL};
+    const struct rk_study *study = plan->study;
+    const struct rk_point *point = &study->points[p];
+    struct rk_gathered g = {0};
+    enum rk_status status = rk_gather(folder, plan, p, o->observable, &notice, &g, err);
+    if (status == RK_OK && g.done == 0) {
+        status = rk_fail(err, RK_EIO, "no run of point '%s' is done yet", point->name);
+    }
+    if (status == RK_OK) {
+        if (g.failed + g.missing > 0) {
+            rk_warn("point '%s': %zu of %zu runs are used, %zu failed, %zu are missing",
+                    point->name, g.done, g.done + g.failed + g.missing, g.failed, g.missing);
+        }
+        struct rk_schedule schedule = study->scene->schedule(point->params);
+        data->name = point->name;
+        data->samples = (struct rk_samples){g.values, g.lengths, g.done, g.samples};
+        data->interval = g.interval;
+        data->integral = o->integral || strcmp(o->observable, RK_REPORT_OBSERVABLE) == 0;
+        data->scale = schedule.samples_per_period;
+        data->study = true;
+        data->stream = rk_stream_of(study->seed, point->key, 0, RK_FOR_BOOTSTRAP, 0);
+        g.values = NULL;
+        g.lengths = NULL;
+    }
+    rk_gathered_clear(&g);
+    return status;
+}
+
+static enum rk_status read_folder(const char *folder, const struct rk_study *study,
+                                  const char *point, const struct rk_data_options *o,
+                                  struct rk_data *data, struct rk_error *err) {
+    struct rk_plan *plan = NULL;
+    size_t p = 0;
+    enum rk_status status = find_point(study, point, &p, err);
+    if (status == RK_OK) {
+        status = check_observable(study->scene, o->observable, err);
+    }
+    if (status == RK_OK) {
+        status = rk_command_plan_folder(folder, study, &plan, err);
+    }
+    if (status == RK_OK) {
+        status = gather(folder, plan, p, o, data, err);
+    }
+    rk_plan_free(plan);
+    return status;
+}
+
+enum rk_status rk_data_read(struct rk_data *data, const char *operand, const struct rk_study *study,
+                            const char *point, const struct rk_data_options *o,
+                            struct rk_error *err) {
+    *data = (struct rk_data){
+        .name = operand,
+        .interval = o->interval,
+        .integral = o->integral,
+        .scale = 1,
+        .stream = rk_stream_of(o->seed, 0, 0, RK_FOR_BOOTSTRAP, 0),
+    };
+    enum rk_status status =
+        study ? read_folder(operand, study, point, o, data, err) : read_file(operand, o, data, err);
+    if (study) {
+        rk_error_locate(err, "%s", operand);
+    }
+    return status;
+}

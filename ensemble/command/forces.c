@@ -1,0 +1,64 @@
+/* reckon forces: the distribution of contact forces in any HDF5 dataset or any column of a CSV
+ * file.
+ */
+#include "ensemble/analysis/forces.h"
+#include "ensemble/command/data.h"
+
+struct forces_options {
+    struct rk_data_options data;
+};
+
+static enum rk_status estimate(const void *values, const struct rk_data *data,
+                               struct rk_result *result, struct rk_error *err) {
+    const struct forces_options *o = values;
+    const struct rk_samples *s = &data->samples;
+    if (data->study) {
+        return rk_fail(
+            err, RK_EINVALID,
+            "the runs of a study record no contact forces; name a dataset or a CSV file");
+    }
+    const struct rk_series series = {s->values, s->replicas, s->samples, s->samples, s->lengths, 1};
+    const struct rk_forces_options options = {o->data.level, o->data.bootstrap};
+    struct rk_forces *forces;
+    enum rk_status status = rk_forces_estimate(&forces, &series, &options, &data->stream, err);
+    if (status == RK_OK) {
+        rk_forces_fill(result, forces);
+        rk_forces_free(forces);
+    }
+    return status;
+}
+
+static int forces(const void *options, size_t count, char *const *operands) {
+    static const struct rk_data_command command = {
+        &rk_drawing_forces, "contact forces", "force", false, estimate, rk_forces_print};
+    struct forces_options o = *(const struct forces_options *)options;
+    /* What the other commands have options for has no meaning here. */
+    o.data.interval = 1;
+    o.data.observable = RK_REPORT_OBSERVABLE;
+    (void)count;
+    return rk_data_main(&command, operands[0], &o.data, &o);
+}
+
+static const struct rk_option options[] = {
+    RK_DATA_FILE_ROWS(forces_options),
+    RK_DATA_BOOTSTRAP_ROWS(forces_options, "1000", 100),
+    RK_DATA_OUTPUT_ROWS(forces_options),
+};
+
+const struct rk_command rk_command_forces = {
+    .name = "forces",
+    .summary = "distribution of contact forces in an HDF5 dataset or a CSV column",
+    .usage = "FILE.h5:/DATASET | FILE.csv [OPTIONS]",
+    .about =
+        "Fits a power law below the mean force and an exponential above it, continuous at the\n"
+        "mean, by maximum likelihood: both exponents free, and one of them by the identity\n"
+        "beta^2 = (1 + alpha)(2 + alpha) that a mean of 1 asks for. Intervals by bootstrap over\n"
+        "replicas, or over blocks of fewer ones.",
+    .options = options,
+    .option_count = sizeof options / sizeof *options,
+    .size = sizeof(struct forces_options),
+    .operands_min = 1,
+    .operands_max = 1,
+    .example = "reckon forces contacts.csv --column normal --replica run --plot forces.png",
+    .main = forces,
+};

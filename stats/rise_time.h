@@ -1,0 +1,37 @@
+/* How long something takes that not every replica lived to see: times with censoring.
+ *
+ * A replica that had not surfaced when it ended at t says that its time is longer than t. Two
+ * readings of such data:
+ *   Kaplan and Meier: S(t) = prod over events t_i <= t of (1 - d_i/n_i), n_i being at risk before
+ *     t_i; nothing is assumed of the distribution. Intervals of ln(-ln S) with Greenwood's variance
+ *     sum d_i/(n_i (n_i - d_i)) (E. Kaplan, P. Meier, J. Am. Stat. Assoc. 53 (1958) 457). The
+ * median is where S falls to 1/2, its ends where the band does. exponential: a constant chance per
+ * time, 1/mean, by maximum likelihood: mean = (sum of all times, censored or not)/(number of
+ * events), with 2 sum t/mean taken for chi^2: of 2 d degrees at its upper and 2 d + 2 at its lower
+ * end, which never is too narrow.
+ */
+#ifndef RK_STATS_RISE_TIME_H
+#define RK_STATS_RISE_TIME_H
+
+#include "stats/data.h"
+
+struct rk_rise_time {
+    size_t replicas, events;
+    enum rk_verdict mean_verdict;
+    struct rk_interval mean; /* exponential; no event: estimate and high are infinite, low is not */
+    struct rk_interval median; /* Kaplan-Meier; what the curve does not reach is infinite */
+    size_t steps;
+    double *time;       /* [steps] ascending, one a different event time */
+    double *survival;   /* [steps] just after it */
+    double *low, *high; /* [steps] */
+    char text[256];
+};
+
+/* times[i] > 0 until the event, or until the replica ended when !seen[i]. RK_EINVALID: a time that
+ * is not finite and above 0, no replica, level. */
+enum rk_status rk_rise_time_estimate(struct rk_rise_time **out, const double *times,
+                                     const bool *seen, size_t replicas, double level,
+                                     struct rk_error *err);
+void rk_rise_time_free(struct rk_rise_time *rise);
+
+#endif
