@@ -16,3 +16,8 @@ void *rk_array_create(size_t count, size_t size) {
     }
     return block;
 }
+
+void *rk_array_renew(void *old, size_t count, size_t size) {
+    free(old);
+    return rk_array_create(count, size);
+}

@@ -13,4 +13,7 @@
  * Free with free(). */
 void *rk_array_create(size_t count, size_t size);
 
+/* The same in place of `old`, which is freed with what it holds. */
+void *rk_array_renew(void *old, size_t count, size_t size);
+
 #endif

@@ -323,8 +323,8 @@ enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t
 enum rk_phase {
     RK_PHASE_MOVE,       /* predict and correct */
     RK_PHASE_NEIGHBOURS, /* renewing the list */
-    RK_PHASE_TOUCH,      /* which pairs touch (with several threads counted as push) */
-    RK_PHASE_PUSH,       /* their forces, summed into the grains */
+    RK_PHASE_CLOSE,      /* picking the close ones among the listed pairs */
+    RK_PHASE_PUSH,       /* which of them touch, their forces, summed into the grains */
     RK_PHASE_WALLS,
     RK_PHASE_COUNT
 };
@@ -334,6 +334,8 @@ struct rk_profile {
     uint64_t ticks[RK_PHASE_COUNT]; /* of the caller's clock, 0 without one */
     uint64_t rebuilds;              /* of the neighbour list */
     uint64_t pairs;                 /* neighbour pairs looked at, summed over steps */
+    uint64_t picks;                 /* of close pairs among the listed ones */
+    uint64_t close;                 /* close pairs, summed over steps */
     uint64_t contacts;              /* touching pairs, summed over steps */
 };
 /* A clock to time the phases with; NULL (the default) for none. */

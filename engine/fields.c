@@ -39,7 +39,7 @@ const struct rk_field_set rk_grain_fields = {"grains", grain_rows,
 static const struct rk_field contact_rows[] = {
     {"first", RK_FIELD_U32, TOUCHING(first), RK_IF_REMEMBERS, "the grain earlier in the order"},
     {"second", RK_FIELD_U32, TOUCHING(second), RK_IF_REMEMBERS, "the grain later in the order"},
-    {"ft", RK_FIELD_F64, TOUCHING(history[RK_HISTORY_FT]), RK_IF_REMEMBERS, "tangential force"},
+    {"ft", RK_FIELD_F64, TOUCHING(history[RK_HISTORY_FT]), RK_IF_SPRINGS, "tangential force"},
     {"moment", RK_FIELD_F64, TOUCHING(history[RK_HISTORY_MOMENT]), RK_IF_ROLLS, "rolling moment"},
     {"fn", RK_FIELD_F64, TOUCHING(history[RK_HISTORY_FN]), RK_IF_IMPLICIT, "normal force"},
 };

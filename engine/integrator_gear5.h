@@ -20,7 +20,7 @@ static __attribute__((noinline)) void gear_repeat(double move[LANES], size_t cou
     }
 }
 
-static inline lanes gear_only(lanes move, size_t first, size_t end) {
+static INLINE lanes gear_only(lanes move, size_t first, size_t end) {
     if (__builtin_expect(end - first < LANES, 0)) { /* the last vector: kept out of the loop */
         double each[LANES];
         lanes_store(each, move);
@@ -30,8 +30,8 @@ static inline lanes gear_only(lanes move, size_t first, size_t end) {
     return move;
 }
 
-static INLINE void gear_predict_eight(const struct gear_component *g, size_t i, size_t end,
-                                      double h, struct span *span) {
+static INLINE void gear_predict_some(const struct gear_component *g, size_t i, size_t end, double h,
+                                     struct span *span) {
     lanes v = lanes_load(g->v + i), a = lanes_load(g->a + i);
     lanes j = lanes_load(g->j + i), s = lanes_load(g->s + i);
     lanes move = h * (v + h / 2 * (a + h / 3 * (j + h / 4 * s)));
@@ -40,13 +40,12 @@ static INLINE void gear_predict_eight(const struct gear_component *g, size_t i, 
     lanes_store(g->a + i, a + h * (j + h / 2 * s));
     lanes_store(g->j + i, j + h * s);
     move = gear_only(move, i, end);
-    span->least = lanes_smaller(span->least, move);
-    span->most = lanes_larger(span->most, move);
+    widen(span, move);
 }
 
 /* b is the acceleration of the forces. */
-static INLINE void gear_correct_eight(const struct gear_component *g, size_t i, size_t end, lanes b,
-                                      double h, struct span *span) {
+static INLINE void gear_correct_some(const struct gear_component *g, size_t i, size_t end, lanes b,
+                                     double h, struct span *span) {
     lanes d = b - lanes_load(g->a + i), move = 19.0 / 180 * h * h * d;
     lanes_store(g->r + i, lanes_load(g->r + i) + move);
     lanes_store(g->v + i, lanes_load(g->v + i) + 3.0 / 8 * h * d);
@@ -54,8 +53,7 @@ static INLINE void gear_correct_eight(const struct gear_component *g, size_t i, 
     lanes_store(g->j + i, lanes_load(g->j + i) + 1.5 / h * d);
     lanes_store(g->s + i, lanes_load(g->s + i) + 1 / (h * h) * d);
     move = gear_only(move, i, end);
-    span->least = lanes_smaller(span->least, move);
-    span->most = lanes_larger(span->most, move);
+    widen(span, move);
 }
 
 static inline struct gear_component gear_x(const struct rk_grains *g) {
@@ -71,32 +69,33 @@ static inline struct gear_component gear_turn(const struct rk_grains *g) {
 }
 
 static void gear_predict(struct rk_grains *grains, size_t begin, size_t end, double h,
-                         struct rk_bounds *moved) {
+                         const double gravity[2], struct rk_bounds *moved) {
     const struct gear_component gx = gear_x(grains), gy = gear_y(grains), turn = gear_turn(grains);
-    struct span x = {lanes_all(INFINITY), lanes_all(-INFINITY)}, y = x, angle = x;
+    struct span x = no_span(), y = no_span(), angle = no_span();
     for (size_t i = begin; i < end; i += LANES) {
-        gear_predict_eight(&gx, i, end, h, &x);
-        gear_predict_eight(&gy, i, end, h, &y);
+        gear_predict_some(&gx, i, end, h, &x);
+        gear_predict_some(&gy, i, end, h, &y);
         if (grains->omega) {
-            gear_predict_eight(&turn, i, end, h, &angle);
+            gear_predict_some(&turn, i, end, h, &angle);
         }
     }
+    ready(grains, begin, end, gravity);
     set_bounds(moved, &x, &y);
 }
 
 static void gear_correct(struct rk_grains *grains, size_t begin, size_t end, double h,
                          struct rk_bounds *moved) {
     const struct gear_component gx = gear_x(grains), gy = gear_y(grains), turn = gear_turn(grains);
-    struct span x = {lanes_all(INFINITY), lanes_all(-INFINITY)}, y = x, angle = x;
+    struct span x = no_span(), y = no_span(), angle = no_span();
     for (size_t i = begin; i < end; i += LANES) {
         lanes fx, fy, torque;
         lanes_load_rows(grains->force + RK_FORCE_WIDTH * i, &fx, &fy, &torque);
         lanes inverse_mass = lanes_load(grains->inverse_mass + i);
-        gear_correct_eight(&gx, i, end, fx * inverse_mass, h, &x);
-        gear_correct_eight(&gy, i, end, fy * inverse_mass, h, &y);
+        gear_correct_some(&gx, i, end, fx * inverse_mass, h, &x);
+        gear_correct_some(&gy, i, end, fy * inverse_mass, h, &y);
         if (grains->omega) {
-            gear_correct_eight(&turn, i, end, torque * lanes_load(grains->inverse_inertia + i), h,
-                               &angle);
+            gear_correct_some(&turn, i, end, torque * lanes_load(grains->inverse_inertia + i), h,
+                              &angle);
         }
     }
     set_bounds(moved, &x, &y);

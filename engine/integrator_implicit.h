@@ -35,47 +35,49 @@
 #include "engine/lanes.h"
 #include "engine/scene.h"
 
-static inline lanes implicit_relax(lanes predicted, lanes before, lanes s) {
+static INLINE lanes implicit_relax(lanes predicted, lanes before, lanes s) {
     return (predicted + s * before) / (1 + s);
 }
 
 /* Each contact adds (1, nx^2 - ny^2, 2 nx ny) to its grains: trace and deviator of n (x) n, in the
  * order in which forces are added up. */
-static inline quad implicit_share(const struct rk_touching *touching, size_t c) {
-    double dx = touching->dx[c], dy = touching->dy[c], inverse = 1 / touching->d2[c];
-    return (quad){1, (dx * dx - dy * dy) * inverse, 2 * dx * dy * inverse, 0};
-}
-
-static void implicit_spread_crossing(struct rk_grains *grains, const struct rk_touching *touching,
-                                     size_t begin, size_t end) {
-    for (size_t k = 0; k < touching->crossings; k++) {
-        size_t c = touching->crossing[k], j = touching->second[c];
-        if (j >= begin && j < end) {
-            *(quad *)(grains->spread + RK_FORCE_WIDTH * j) += implicit_share(touching, c);
-        }
+static inline void implicit_add(double *spread, size_t i, const double share[3]) {
+    for (size_t k = 0; k < 3; k++) {
+        spread[RK_FORCE_WIDTH * i + k] += share[k];
     }
 }
 
-static void implicit_spread_own(struct rk_grains *grains, const struct rk_touching *touching) {
-    for (size_t c = 0; c < touching->count; c++) {
-        const quad share = implicit_share(touching, c);
-        size_t i = touching->first[c], j = touching->second[c];
-        *(quad *)(grains->spread + RK_FORCE_WIDTH * i) += share;
-        if (j < touching->last) {
-            *(quad *)(grains->spread + RK_FORCE_WIDTH * j) += share;
+static void implicit_spread(struct rk_grains *grains, const struct rk_close *close) {
+    for (size_t c = 0; c < close->end; c++) {
+        size_t i = close->first[c], j = close->second[c];
+        const double *one = grains->motion + RK_MOTION_WIDTH * i;
+        const double *other = grains->motion + RK_MOTION_WIDTH * j;
+        double dx = other[0] - one[0], dy = other[1] - one[1];
+        dx += close->shift ? close->shift[c] : 0;
+        double d2 = dx * dx + dy * dy, inverse = 1 / d2;
+        const double share[3] = {1, (dx * dx - dy * dy) * inverse, 2 * dx * dy * inverse};
+        if (d2 < close->reach[c] * close->reach[c]) {
+            if (c >= close->own) {
+                implicit_add(grains->spread, i, share);
+            }
+            if (j < close->last) {
+                implicit_add(grains->spread, j, share);
+            }
         }
     }
 }
 
 /* The directions of wall contacts are not part of the state, so they count for any direction. */
-static void implicit_ease(struct rk_grains *grains, const struct rk_wall_touching *walls,
-                          size_t begin, size_t end) {
+static void implicit_ease(struct rk_grains *grains, const struct rk_close *close,
+                          const struct rk_wall_touching *walls, size_t begin, size_t end) {
     double *spread = grains->spread;
+    memset(spread + RK_FORCE_WIDTH * begin, 0, (end - begin) * RK_FORCE_WIDTH * sizeof *spread);
+    implicit_spread(grains, close);
     for (size_t c = 0; c < walls->count; c++) {
-        const quad share = {2, 0, 0, 0}; /* an eigenvalue is at most 1 larger */
+        const double share[3] = {2, 0, 0}; /* an eigenvalue is at most 1 larger */
         size_t i = walls->grain[c];
         if (i >= begin && i < end) {
-            *(quad *)(spread + RK_FORCE_WIDTH * i) += share;
+            implicit_add(spread, i, share);
         }
     }
     for (size_t i = begin; i < end; i += LANES) {

@@ -6,7 +6,7 @@ static bool usable(void) {
 }
 
 #define KERNEL_NAME "avx512"
-#define KERNEL_DOC "512-bit vectors, touching pairs packed by the processor"
+#define KERNEL_DOC "512-bit vectors"
 #define KERNEL_TABLE rk_kernel_avx512
 #define KERNEL_USABLE usable
 #include "engine/kernel_body.h"

@@ -1,6 +1,7 @@
-/* Eight doubles at a time, on any instruction set: arithmetic by operators, and the few things
- * that have no operator. The compiler lowers the type to whatever registers it may use; each lane
- * is IEEE double arithmetic, so the width of the registers cannot be seen in a result. */
+/* As many doubles at a time as a register holds, on any instruction set: arithmetic by operators,
+ * and the few things that have no operator. Each lane is IEEE double arithmetic, so the width of
+ * the registers cannot be seen in a result. A type wider than the registers would live in memory:
+ * so LANES is 8 with AVX-512, 4 with AVX2 and 2 elsewhere, always a divisor of RK_BLOCK. */
 #ifndef RK_ENGINE_LANES_H
 #define RK_ENGINE_LANES_H
 
@@ -9,132 +10,255 @@
 #include <stdint.h>
 #include <string.h>
 
-#if defined(__AVX512F__) && defined(__AVX512VL__)
-#define RK_WIDE 1
+#if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512DQ__)
 #include <immintrin.h>
+enum { LANES = 8 };
+#define RK_LANES_512
+#elif defined(__AVX2__)
+#include <immintrin.h>
+enum { LANES = 4 };
+#define RK_LANES_256
 #else
-#define RK_WIDE 0
+enum { LANES = 2 };
 #endif
 
-/* Every function here is inlined: that a wide vector would be handed over differently with other
- * compiler options is of no consequence. */
-#pragma GCC diagnostic ignored "-Wpsabi"
+#define LANES_INLINE static inline __attribute__((always_inline))
 
-enum { LANES = 8 };
+typedef double lanes __attribute__((vector_size(8 * LANES)));
+typedef double pair __attribute__((vector_size(16)));
+typedef long long pair_index __attribute__((vector_size(16)));
 
-typedef double lanes __attribute__((vector_size(64)));
-typedef double quad __attribute__((vector_size(32)));
-
-static inline lanes lanes_load(const double *at) {
+LANES_INLINE lanes lanes_load(const double *at) {
     lanes a;
     memcpy(&a, at, sizeof a);
     return a;
 }
 
-static inline void lanes_store(double *at, lanes a) {
+LANES_INLINE void lanes_store(double *at, lanes a) {
     memcpy(at, &a, sizeof a);
 }
 
-static inline lanes lanes_all(double value) {
-    return (lanes){value, value, value, value, value, value, value, value};
+LANES_INLINE lanes lanes_all(double value) {
+    return value - (lanes){0};
 }
 
-/* at[index[0]], ..., at[index[7]] */
-static inline lanes lanes_gather(const double *at, const uint32_t *index) {
-#if RK_WIDE
+/* at[index[0]], at[index[1]], ... */
+LANES_INLINE lanes lanes_gather(const double *at, const uint32_t *index) {
+#ifdef RK_LANES_512
     return (lanes)_mm512_i32gather_pd(_mm256_loadu_si256((const __m256i *)index), at, 8);
+#elif defined(RK_LANES_256)
+    return (lanes){at[index[0]], at[index[1]], at[index[2]], at[index[3]]};
 #else
-    lanes a;
-    for (int l = 0; l < LANES; l++) {
-        a[l] = at[index[l]];
-    }
-    return a;
+    return (lanes){at[index[0]], at[index[1]]};
 #endif
 }
 
-static inline lanes lanes_root(lanes a) {
-#if RK_WIDE
+LANES_INLINE lanes lanes_root(lanes a) {
+#if defined(RK_LANES_512)
     return (lanes)_mm512_sqrt_pd((__m512d)a);
+#elif defined(RK_LANES_256)
+    return (lanes)_mm256_sqrt_pd((__m256d)a);
 #else
-    for (int l = 0; l < LANES; l++) {
-        a[l] = sqrt(a[l]);
-    }
-    return a;
+    return (lanes){sqrt(a[0]), sqrt(a[1])};
+#endif
+}
+
+/* ---- Comparison ------------------------------------------------------------------------------ */
+
+#ifdef RK_LANES_512
+typedef __mmask8 lanes_mask;
+#else
+typedef long long lanes_mask __attribute__((vector_size(8 * LANES)));
+#endif
+
+LANES_INLINE lanes_mask lanes_below(lanes a, lanes b) {
+#ifdef RK_LANES_512
+    return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ);
+#else
+    return a < b;
+#endif
+}
+
+LANES_INLINE lanes lanes_choose(lanes_mask which, lanes a, lanes b) {
+#if defined(RK_LANES_512)
+    return (lanes)_mm512_mask_blend_pd(which, (__m512d)b, (__m512d)a);
+#elif defined(RK_LANES_256)
+    return (lanes)_mm256_blendv_pd((__m256d)b, (__m256d)a, (__m256d)which);
+#else
+    return (lanes)(((lanes_mask)a & which) | ((lanes_mask)b & ~which));
+#endif
+}
+
+/* a where it is, 0 elsewhere. */
+LANES_INLINE lanes lanes_only(lanes_mask which, lanes a) {
+#ifdef RK_LANES_512
+    return (lanes)_mm512_maskz_mov_pd(which, (__m512d)a);
+#else
+    return (lanes)((lanes_mask)a & which);
+#endif
+}
+
+LANES_INLINE size_t lanes_tally(lanes_mask which) {
+#if defined(RK_LANES_512)
+    return (size_t)__builtin_popcount(which);
+#elif defined(RK_LANES_256)
+    return (size_t)__builtin_popcount((unsigned)_mm256_movemask_pd((__m256d)which));
+#else
+    return (size_t)(-which[0] - which[1]);
 #endif
 }
 
 /* a < b ? a : b and a > b ? a : b in each lane. */
-static inline lanes lanes_smaller(lanes a, lanes b) {
-#if RK_WIDE
+LANES_INLINE lanes lanes_smaller(lanes a, lanes b) {
+#if defined(RK_LANES_512)
     return (lanes)_mm512_min_pd((__m512d)a, (__m512d)b);
+#elif defined(RK_LANES_256)
+    return (lanes)_mm256_min_pd((__m256d)a, (__m256d)b);
 #else
-    for (int l = 0; l < LANES; l++) {
-        a[l] = a[l] < b[l] ? a[l] : b[l];
-    }
-    return a;
+    return lanes_choose(a < b, a, b);
 #endif
 }
 
-static inline lanes lanes_larger(lanes a, lanes b) {
-#if RK_WIDE
+LANES_INLINE lanes lanes_larger(lanes a, lanes b) {
+#if defined(RK_LANES_512)
     return (lanes)_mm512_max_pd((__m512d)a, (__m512d)b);
+#elif defined(RK_LANES_256)
+    return (lanes)_mm256_max_pd((__m256d)a, (__m256d)b);
 #else
-    for (int l = 0; l < LANES; l++) {
-        a[l] = a[l] > b[l] ? a[l] : b[l];
-    }
-    return a;
+    return lanes_choose(a > b, a, b);
 #endif
 }
 
-/* Four vectors of eight as eight rows of four, at[4 l] .. at[4 l + 3] = a[l], b[l], c[l], d[l]. */
-static inline void lanes_store_rows(double *at, lanes a, lanes b, lanes c, lanes d) {
-#if RK_WIDE
+/* ---- Rows of four and of two ----------------------------------------------------------------- */
+
+/* Columns a, b, c, d of the rows at + 4 row[0], at + 4 row[1], ...: each a load of its own. */
+LANES_INLINE void lanes_gather_rows(const double *at, const uint32_t *row, lanes *a, lanes *b,
+                                    lanes *c, lanes *d) {
+#if defined(RK_LANES_512)
+#define ROWS(k)                                                                                    \
+    _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(at + 4 * (size_t)row[k])),            \
+                       _mm256_load_pd(at + 4 * (size_t)row[(k) + 4]), 1)
+    const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+    const __m512i high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+    __m512d r0 = ROWS(0), r1 = ROWS(1), r2 = ROWS(2), r3 = ROWS(3);
+    __m512d ac01 = _mm512_unpacklo_pd(r0, r1), ac23 = _mm512_unpacklo_pd(r2, r3);
+    __m512d bd01 = _mm512_unpackhi_pd(r0, r1), bd23 = _mm512_unpackhi_pd(r2, r3);
+    *a = (lanes)_mm512_permutex2var_pd(ac01, low, ac23);
+    *b = (lanes)_mm512_permutex2var_pd(bd01, low, bd23);
+    *c = (lanes)_mm512_permutex2var_pd(ac01, high, ac23);
+    *d = (lanes)_mm512_permutex2var_pd(bd01, high, bd23);
+#undef ROWS
+#elif defined(RK_LANES_256)
+    __m256d r0 = _mm256_load_pd(at + 4 * (size_t)row[0]);
+    __m256d r1 = _mm256_load_pd(at + 4 * (size_t)row[1]);
+    __m256d r2 = _mm256_load_pd(at + 4 * (size_t)row[2]);
+    __m256d r3 = _mm256_load_pd(at + 4 * (size_t)row[3]);
+    __m256d ac01 = _mm256_unpacklo_pd(r0, r1), ac23 = _mm256_unpacklo_pd(r2, r3);
+    __m256d bd01 = _mm256_unpackhi_pd(r0, r1), bd23 = _mm256_unpackhi_pd(r2, r3);
+    *a = (lanes)_mm256_permute2f128_pd(ac01, ac23, 0x20);
+    *b = (lanes)_mm256_permute2f128_pd(bd01, bd23, 0x20);
+    *c = (lanes)_mm256_permute2f128_pd(ac01, ac23, 0x31);
+    *d = (lanes)_mm256_permute2f128_pd(bd01, bd23, 0x31);
+#else
+    const pair *p = (const pair *)(at + 4 * (size_t)row[0]);
+    const pair *q = (const pair *)(at + 4 * (size_t)row[1]);
+    *a = __builtin_shuffle(p[0], q[0], (pair_index){0, 2});
+    *b = __builtin_shuffle(p[0], q[0], (pair_index){1, 3});
+    *c = __builtin_shuffle(p[1], q[1], (pair_index){0, 2});
+    *d = __builtin_shuffle(p[1], q[1], (pair_index){1, 3});
+#endif
+}
+
+/* Consecutive rows at[4 l] .. at[4 l + 3] = a[l], b[l], c[l], d[l]. */
+LANES_INLINE void lanes_store_rows(double *at, lanes a, lanes b, lanes c, lanes d) {
+#if defined(RK_LANES_512)
+    const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11);
+    const __m512i high = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
     __m512d ab0 = _mm512_unpacklo_pd((__m512d)a, (__m512d)b); /* a0 b0 a2 b2 a4 b4 a6 b6 */
     __m512d ab1 = _mm512_unpackhi_pd((__m512d)a, (__m512d)b); /* a1 b1 ... */
     __m512d cd0 = _mm512_unpacklo_pd((__m512d)c, (__m512d)d);
     __m512d cd1 = _mm512_unpackhi_pd((__m512d)c, (__m512d)d);
-    const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11);
-    const __m512i high = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
     __m512d even0 = _mm512_permutex2var_pd(ab0, low, cd0); /* rows 0 and 2 */
     __m512d odd0 = _mm512_permutex2var_pd(ab1, low, cd1);  /* rows 1 and 3 */
     __m512d even1 = _mm512_permutex2var_pd(ab0, high, cd0);
     __m512d odd1 = _mm512_permutex2var_pd(ab1, high, cd1);
-    _mm256_storeu_pd(at, _mm512_castpd512_pd256(even0));
-    _mm256_storeu_pd(at + 4, _mm512_castpd512_pd256(odd0));
-    _mm256_storeu_pd(at + 8, _mm512_extractf64x4_pd(even0, 1));
-    _mm256_storeu_pd(at + 12, _mm512_extractf64x4_pd(odd0, 1));
-    _mm256_storeu_pd(at + 16, _mm512_castpd512_pd256(even1));
-    _mm256_storeu_pd(at + 20, _mm512_castpd512_pd256(odd1));
-    _mm256_storeu_pd(at + 24, _mm512_extractf64x4_pd(even1, 1));
-    _mm256_storeu_pd(at + 28, _mm512_extractf64x4_pd(odd1, 1));
+    _mm256_store_pd(at, _mm512_castpd512_pd256(even0));
+    _mm256_store_pd(at + 4, _mm512_castpd512_pd256(odd0));
+    _mm256_store_pd(at + 8, _mm512_extractf64x4_pd(even0, 1));
+    _mm256_store_pd(at + 12, _mm512_extractf64x4_pd(odd0, 1));
+    _mm256_store_pd(at + 16, _mm512_castpd512_pd256(even1));
+    _mm256_store_pd(at + 20, _mm512_castpd512_pd256(odd1));
+    _mm256_store_pd(at + 24, _mm512_extractf64x4_pd(even1, 1));
+    _mm256_store_pd(at + 28, _mm512_extractf64x4_pd(odd1, 1));
+#elif defined(RK_LANES_256)
+    __m256d ab0 = _mm256_unpacklo_pd((__m256d)a, (__m256d)b); /* a0 b0 a2 b2 */
+    __m256d ab1 = _mm256_unpackhi_pd((__m256d)a, (__m256d)b);
+    __m256d cd0 = _mm256_unpacklo_pd((__m256d)c, (__m256d)d);
+    __m256d cd1 = _mm256_unpackhi_pd((__m256d)c, (__m256d)d);
+    _mm256_store_pd(at, _mm256_permute2f128_pd(ab0, cd0, 0x20));
+    _mm256_store_pd(at + 4, _mm256_permute2f128_pd(ab1, cd1, 0x20));
+    _mm256_store_pd(at + 8, _mm256_permute2f128_pd(ab0, cd0, 0x31));
+    _mm256_store_pd(at + 12, _mm256_permute2f128_pd(ab1, cd1, 0x31));
 #else
-    for (int l = 0; l < LANES; l++) {
-        at[4 * l] = a[l];
-        at[4 * l + 1] = b[l];
-        at[4 * l + 2] = c[l];
-        at[4 * l + 3] = d[l];
-    }
+    pair *to = (pair *)at;
+    to[0] = __builtin_shuffle(a, b, (pair_index){0, 2});
+    to[1] = __builtin_shuffle(c, d, (pair_index){0, 2});
+    to[2] = __builtin_shuffle(a, b, (pair_index){1, 3});
+    to[3] = __builtin_shuffle(c, d, (pair_index){1, 3});
 #endif
 }
 
-/* The first three of the four columns of eight rows of four. */
-static inline void lanes_load_rows(const double *at, lanes *a, lanes *b, lanes *c) {
-#if RK_WIDE
-    const __m512i ab = _mm512_setr_epi64(0, 4, 8, 12, 1, 5, 9, 13);
-    const __m512i c_ = _mm512_setr_epi64(2, 6, 10, 14, 2, 6, 10, 14);
-    __m512d r01 = _mm512_loadu_pd(at), r23 = _mm512_loadu_pd(at + 8);
-    __m512d r45 = _mm512_loadu_pd(at + 16), r67 = _mm512_loadu_pd(at + 24);
-    __m512d ab0 = _mm512_permutex2var_pd(r01, ab, r23), ab4 = _mm512_permutex2var_pd(r45, ab, r67);
-    __m512d c0 = _mm512_permutex2var_pd(r01, c_, r23), c4 = _mm512_permutex2var_pd(r45, c_, r67);
-    *a = (lanes)_mm512_shuffle_f64x2(ab0, ab4, 0x44);
-    *b = (lanes)_mm512_shuffle_f64x2(ab0, ab4, 0xee);
-    *c = (lanes)_mm512_shuffle_f64x2(c0, c4, 0x44);
+/* The first three of the four columns of consecutive rows of four. */
+LANES_INLINE void lanes_load_rows(const double *at, lanes *a, lanes *b, lanes *c) {
+    static const uint32_t in_order[] = {0, 1, 2, 3, 4, 5, 6, 7};
+    lanes d;
+    lanes_gather_rows(at, in_order, a, b, c, &d);
+}
+
+/* Rows of two, a[l] and b[l] at at + lanes_row_of_two(l): not in order, but in two stores. */
+LANES_INLINE size_t lanes_row_of_two(size_t l) {
+    return l % 2 * LANES + l / 2 * 2;
+}
+
+LANES_INLINE void lanes_store_twos(double *at, lanes a, lanes b) {
+#if defined(RK_LANES_512)
+    lanes_store(at, (lanes)_mm512_unpacklo_pd((__m512d)a, (__m512d)b));
+    lanes_store(at + LANES, (lanes)_mm512_unpackhi_pd((__m512d)a, (__m512d)b));
+#elif defined(RK_LANES_256)
+    lanes_store(at, (lanes)_mm256_unpacklo_pd((__m256d)a, (__m256d)b));
+    lanes_store(at + LANES, (lanes)_mm256_unpackhi_pd((__m256d)a, (__m256d)b));
 #else
-    for (int l = 0; l < LANES; l++) {
-        (*a)[l] = at[4 * l];
-        (*b)[l] = at[4 * l + 1];
-        (*c)[l] = at[4 * l + 2];
-    }
+    lanes_store(at, __builtin_shuffle(a, b, (pair_index){0, 2}));
+    lanes_store(at + LANES, __builtin_shuffle(a, b, (pair_index){1, 3}));
+#endif
+}
+
+/* total -= row, total += row of two. */
+LANES_INLINE void two_subtract(double *total, const double *row) {
+    *(pair *)total -= *(const pair *)row;
+}
+
+LANES_INLINE void two_add(double *total, const double *row) {
+    *(pair *)total += *(const pair *)row;
+}
+
+/* The same of four; added with the last two exchanged. */
+LANES_INLINE void four_subtract(double *total, const double *row) {
+#if defined(RK_LANES_512) || defined(RK_LANES_256)
+    _mm256_store_pd(total, _mm256_sub_pd(_mm256_load_pd(total), _mm256_load_pd(row)));
+#else
+    two_subtract(total, row);
+    two_subtract(total + 2, row + 2);
+#endif
+}
+
+LANES_INLINE void four_add_exchanged(double *total, const double *row) {
+#if defined(RK_LANES_512) || defined(RK_LANES_256)
+    __m256d exchanged = _mm256_permute_pd(_mm256_load_pd(row), 0x6);
+    _mm256_store_pd(total, _mm256_add_pd(_mm256_load_pd(total), exchanged));
+#else
+    two_add(total, row);
+    *(pair *)(total + 2) += __builtin_shuffle(*(const pair *)(row + 2), (pair_index){1, 0});
 #endif
 }
 

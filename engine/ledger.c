@@ -51,9 +51,8 @@ static void book_pairs(const struct rk_scene *scene, const struct rk_contact_law
         double distance = sqrt(t->d2[c]), nx = t->dx[c] / distance, ny = t->dy[c] / distance;
         double ux = g->vx[j] - g->vx[i], uy = g->vy[j] - g->vy[i];
         double reach = g->radius[i] + g->radius[j];
-        const double *force = t->force + RK_FORCE_WIDTH * c;
-        struct moment m = {.fn = force[0] * nx + force[1] * ny,
-                           .ft = force[1] * nx - force[0] * ny,
+        struct moment m = {.fn = t->history[RK_HISTORY_FN][c],
+                           .ft = g->omega ? t->history[RK_HISTORY_FT][c] : 0,
                            .rate = -(ux * nx + uy * ny)};
         m.elastic = elastic_force(law, pair_of(law, material_of(g, i), material_of(g, j)),
                                   reach - distance, g->radius[i] * g->radius[j] / reach);

@@ -105,14 +105,13 @@ void rk_scene_contact(const struct rk_scene *scene, size_t i, struct rk_contact 
     uint32_t a = t->first[i], b = t->second[i];
     double distance = sqrt(t->d2[i]);
     double nx = t->dx[i] / distance, ny = t->dy[i] / distance;
-    const double *force = t->force + RK_FORCE_WIDTH * i;
     *contact = (struct rk_contact){
         .first = scene->grains.tag[a],
         .second = scene->grains.tag[b],
         .normal = {nx, ny},
         .overlap = scene->grains.radius[a] + scene->grains.radius[b] - distance,
-        .fn = force[0] * nx + force[1] * ny,
-        .ft = scene->has[RK_IF_ROTATES] ? force[1] * nx - force[0] * ny : 0,
+        .fn = t->history[RK_HISTORY_FN][i],
+        .ft = scene->has[RK_IF_ROTATES] ? t->history[RK_HISTORY_FT][i] : 0,
     };
 }
 
@@ -168,8 +167,8 @@ static void add_springs(const struct rk_scene *scene, struct rk_energy *energy) 
         const struct rk_coefficients *k =
             &law.of[material_of(g, i) * law.materials + material_of(g, j)];
         double reach = g->radius[i] + g->radius[j], reduced = g->radius[i] * g->radius[j] / reach;
-        double ft = t->histories > RK_HISTORY_FT ? t->history[RK_HISTORY_FT][c] : 0;
-        double moment = t->histories > RK_HISTORY_MOMENT ? t->history[RK_HISTORY_MOMENT][c] : 0;
+        double ft = scene->has[RK_IF_SPRINGS] ? t->history[RK_HISTORY_FT][c] : 0;
+        double moment = scene->has[RK_IF_ROLLS] ? t->history[RK_HISTORY_MOMENT][c] : 0;
         energy->elastic += pressed(&law, k, reach - sqrt(t->d2[c]), reduced);
         energy->sheared += sheared(&law, k, reduced, ft, moment);
     }
@@ -202,7 +201,7 @@ struct rk_energy rk_scene_energy(const struct rk_scene *scene) {
 
 const char *rk_phase_name(enum rk_phase phase) {
     static const char *const names[RK_PHASE_COUNT] = {
-        [RK_PHASE_MOVE] = "move", [RK_PHASE_NEIGHBOURS] = "neighbours", [RK_PHASE_TOUCH] = "touch",
+        [RK_PHASE_MOVE] = "move", [RK_PHASE_NEIGHBOURS] = "neighbours", [RK_PHASE_CLOSE] = "close",
         [RK_PHASE_PUSH] = "push", [RK_PHASE_WALLS] = "walls",
     };
     return (unsigned)phase < RK_PHASE_COUNT ? names[phase] : "?";
@@ -219,21 +218,28 @@ struct rk_profile rk_scene_profile(const struct rk_scene *scene) {
 size_t rk_scene_memory(const struct rk_scene *scene) {
     const struct rk_neighbours *near = &scene->neighbours;
     const size_t real = sizeof(double), index = sizeof(uint32_t);
+    size_t kept = 0, known = 0;
+    for (int h = 0; h < RK_HISTORIES; h++) {
+        kept += rk_scene_keeps(scene, h) ? real : 0;
+        known += rk_scene_knows(scene, h) ? real : 0;
+    }
     /* tag, index_of, cell_of, in_cell and row_start of each grain */
-    size_t grain = (9 + RK_FORCE_WIDTH) * real + 5 * index;
+    size_t grain = (9 + RK_FORCE_WIDTH + RK_MOTION_WIDTH) * real + 5 * index;
     grain += scene->has[RK_IF_ROTATES] ? 4 * real : 0;
     grain += scene->has[RK_IF_MIXED] ? index : 0;
     grain += scene->has[RK_IF_IMPLICIT] ? (1 + RK_FORCE_WIDTH) * real : 0;
     grain += scene->has[RK_IF_DERIVED] ? 4 * real : 0;
     grain += scene->has[RK_IF_DERIVED_TURN] ? 2 * real : 0;
-    /* first, second and reach2 of a pair; first, second, pair, dx, dy, d2 and force of a contact */
-    size_t pair = 5 * index + (4 + RK_FORCE_WIDTH) * real;
-    pair += scene->pairs.shift ? real : 0;
-    pair += 2 * scene->pairs.histories * real;
+    /* first, second, reach of a pair; those, the pair and two radii of a close one; first, second,
+     * dx, dy, d2 of a contact */
+    size_t pair = 2 * index + real + kept + (scene->pairs.shift ? real : 0);
+    size_t close = 2 * index + real + known + (scene->close.pair ? index : 0);
+    close += (scene->close.shift ? real : 0) + (scene->close.radius_first ? 2 * real : 0);
+    close += 2 * index + 3 * real + known;
     size_t touch = 3 * index + (8 + RK_HISTORIES + RK_FORCE_WIDTH) * real;
     size_t bytes = sizeof *scene + grain * scene->grains.capacity + pair * scene->pairs.capacity +
-                   near->found_capacity * sizeof(uint64_t) + near->cell_capacity * index +
-                   scene->wall_touching.capacity * (touch + index) +
+                   close * scene->close_capacity + near->found_capacity * sizeof(uint64_t) +
+                   near->cell_capacity * index + scene->wall_touching.capacity * (touch + index) +
                    scene->ledger.count * 9 * real + scene->spec.walls * sizeof *scene->walls;
     for (size_t w = 0; w < scene->wall_count; w++) {
         const struct rk_wall *wall = &scene->walls[w];

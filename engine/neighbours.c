@@ -1,8 +1,8 @@
 #include "engine/neighbours.h"
 
 #include "base/memory.h"
+#include "engine/close.h"
 #include "engine/fields.h"
-#include "engine/lanes.h"
 #include "engine/shares.h"
 
 #include <math.h>
@@ -39,11 +39,20 @@ static double list_skin(const struct rk_scene *scene) {
     return half > 0 ? (room < 0.5 * half ? room : 0.5 * half) : INFINITY;
 }
 
-bool rk_neighbours_hold(const struct rk_scene *scene) {
-    const struct rk_bounds *moved = &scene->neighbours.moved;
+bool rk_bounds_within(const struct rk_bounds *moved, double reach) {
     double wide = moved->high[0] - moved->low[0], tall = moved->high[1] - moved->low[1];
-    double skin = list_skin(scene) * (1 - 1e-9); /* rounding of the displacements */
-    return scene->neighbours.valid && (wide * wide + tall * tall <= skin * skin);
+    reach *= 1 - 1e-9; /* rounding of the displacements */
+    return wide * wide + tall * tall <= reach * reach;
+}
+
+bool rk_neighbours_hold(const struct rk_scene *scene) {
+    return scene->neighbours.valid && rk_bounds_within(&scene->neighbours.moved, list_skin(scene));
+}
+
+double rk_neighbours_close_skin(const struct rk_scene *scene) {
+    const struct rk_neighbour_method *method =
+        (const struct rk_neighbour_method *)scene->spec.accuracy.neighbour;
+    return method->list ? RK_CLOSE_SHARE * scene->spec.accuracy.skin : 0;
 }
 
 /* ---- Pairs found, in whatever order ------------------------------------------------------- */
@@ -297,46 +306,28 @@ static enum rk_status find_by_cells(struct rk_scene *scene, struct search *s,
 
 /* ---- From pairs found to the ordered list -------------------------------------------------- */
 
-static enum rk_status replace(double **array, size_t capacity) {
-    free(*array);
-    *array = rk_array_create(capacity, sizeof **array);
-    return *array ? RK_OK : RK_EMEMORY;
-}
-
-static enum rk_status replace_index(uint32_t **array, size_t capacity) {
-    free(*array);
-    *array = rk_array_create(capacity, sizeof **array);
-    return *array ? RK_OK : RK_EMEMORY;
-}
-
-/* Room for `count` pairs. What touching holds (the history) survives, the rest does not. */
 static enum rk_status reserve_pairs(struct rk_scene *scene, size_t count, struct rk_error *err) {
     struct rk_pairs *pairs = &scene->pairs;
-    struct rk_touching *touching = &scene->touching;
-    if (count + LANES * scene->share_count <= pairs->capacity && pairs->first) {
+    if (count <= pairs->capacity && pairs->first) {
         return RK_OK;
     }
-    /* Contacts of the last step always are among the pairs, unless positions are nonsense. */
-    size_t most = count > touching->count ? count : touching->count;
-    size_t capacity = most + most / 8 + 256 + LANES * scene->share_count;
-    bool failed = replace_index(&pairs->first, capacity) ||
-                  replace_index(&pairs->second, capacity) || replace(&pairs->reach2, capacity) ||
-                  (scene->spec.period_x > 0 && replace(&pairs->shift, capacity)) ||
-                  replace_index(&touching->pair, capacity) || replace(&touching->dx, capacity) ||
-                  replace(&touching->dy, capacity) || replace(&touching->d2, capacity) ||
-                  replace(&touching->force, RK_FORCE_WIDTH * capacity);
-    for (size_t h = 0; !failed && h < pairs->histories; h++) {
-        failed = replace(&pairs->history[h], capacity);
+    size_t capacity = count + count / 8 + 256;
+    pairs->first = rk_array_renew(pairs->first, capacity, sizeof *pairs->first);
+    pairs->second = rk_array_renew(pairs->second, capacity, sizeof *pairs->second);
+    pairs->reach = rk_array_renew(pairs->reach, capacity, sizeof *pairs->reach);
+    bool failed = !pairs->first || !pairs->second || !pairs->reach;
+    if (scene->spec.period_x > 0) {
+        pairs->shift = rk_array_renew(pairs->shift, capacity, sizeof *pairs->shift);
+        failed = failed || !pairs->shift;
     }
-    if (!failed && !scene->has[RK_IF_REMEMBERS]) { /* not among the fields that are kept */
-        failed =
-            replace_index(&touching->first, capacity) || replace_index(&touching->second, capacity);
+    for (int h = 0; h < RK_HISTORIES; h++) {
+        if (rk_scene_keeps(scene, h)) {
+            pairs->history[h] = rk_array_renew(pairs->history[h], capacity, sizeof(double));
+            failed = failed || !pairs->history[h];
+        }
     }
     pairs->capacity = failed ? 0 : capacity;
-    if (failed) {
-        return rk_fail(err, RK_EMEMORY, "no memory for %zu neighbour pairs", capacity);
-    }
-    return rk_fields_resize(scene, &rk_contact_fields, capacity, err);
+    return failed ? rk_fail(err, RK_EMEMORY, "no memory for %zu neighbour pairs", capacity) : RK_OK;
 }
 
 static void sort_row(uint32_t *row, size_t count) {
@@ -390,8 +381,7 @@ static void measure_pairs(struct rk_scene *scene) {
     double period = scene->spec.period_x;
     for (size_t p = 0; p < pairs->count; p++) {
         uint32_t i = pairs->first[p], j = pairs->second[p];
-        double reach = g->radius[i] + g->radius[j];
-        pairs->reach2[p] = reach * reach;
+        pairs->reach[p] = g->radius[i] + g->radius[j];
         if (pairs->shift) {
             pairs->shift[p] = image_shift(g->x[j] - g->x[i], period, 1 / period);
         }
@@ -411,8 +401,10 @@ static void carry_history(struct rk_scene *scene) {
         }
         bool same = c < touching->count && touching->first[c] == pairs->first[p] &&
                     touching->second[c] == pairs->second[p];
-        for (size_t h = 0; h < pairs->histories; h++) {
-            pairs->history[h][p] = same ? touching->history[h][c] : 0;
+        for (size_t h = 0; h < RK_HISTORIES; h++) {
+            if (pairs->history[h]) {
+                pairs->history[h][p] = same ? touching->history[h][c] : 0;
+            }
         }
     }
 }
@@ -439,8 +431,9 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
         return status;
     }
     rk_shares_gather(scene); /* contacts of the last step, whose history is carried over */
-    if (reserve_pairs(scene, search.count, err)) {
-        return RK_EMEMORY;
+    status = reserve_pairs(scene, search.count, err);
+    if (status) {
+        return status;
     }
     order_pairs(scene, near->found, search.count);
     measure_pairs(scene);
@@ -449,6 +442,7 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
     }
     near->moved = (struct rk_bounds){{0, 0}, {0, 0}};
     near->valid = true;
+    near->close_valid = false;
     for (size_t w = 0; w < scene->wall_count; w++) {
         scene->walls[w].near.valid = false; /* its bounds of movement began at the old build */
     }
@@ -493,7 +487,6 @@ enum rk_status rk_neighbours_prepare(struct rk_scene *scene, struct rk_error *er
 void rk_neighbours_free(struct rk_scene *scene) {
     struct rk_neighbours *near = &scene->neighbours;
     struct rk_pairs *pairs = &scene->pairs;
-    struct rk_touching *touching = &scene->touching;
     void *const blocks[] = {near->found,
                             near->cell_start,
                             near->cell_of,
@@ -502,15 +495,10 @@ void rk_neighbours_free(struct rk_scene *scene) {
                             pairs->first,
                             pairs->second,
                             pairs->shift,
-                            pairs->reach2,
+                            pairs->reach,
                             pairs->history[RK_HISTORY_FT],
                             pairs->history[RK_HISTORY_MOMENT],
-                            pairs->history[RK_HISTORY_FN],
-                            touching->pair,
-                            touching->dx,
-                            touching->dy,
-                            touching->d2,
-                            touching->force};
+                            pairs->history[RK_HISTORY_FN]};
     for (size_t b = 0; b < sizeof blocks / sizeof *blocks; b++) {
         free(blocks[b]);
     }

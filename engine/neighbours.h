@@ -14,6 +14,16 @@
 
 extern const struct rk_piece *const rk_neighbour_default;
 
+/* What of that skin the close pairs have, of which a new choice is made when it is used up: with a
+ * tenth of the moves between two builds and a few more pairs than touch. */
+#define RK_CLOSE_SHARE 0.03125
+
+/* 0 for the method that lists all pairs: it picks anew at every step. */
+double rk_neighbours_close_skin(const struct rk_scene *scene);
+
+/* Can two grains have come nearer by no more than `reach`? */
+bool rk_bounds_within(const struct rk_bounds *moved, double reach);
+
 /* Does the list still hold? */
 bool rk_neighbours_hold(const struct rk_scene *scene);
 

@@ -1,12 +1,12 @@
 #include "engine/scene.h"
 
 #include "base/memory.h"
+#include "engine/close.h"
 #include "engine/contact.h"
 #include "engine/fields.h"
 #include "engine/health.h"
 #include "engine/integrator.h"
 #include "engine/kernel.h"
-#include "engine/lanes.h"
 #include "engine/ledger.h"
 #include "engine/neighbours.h"
 #include "engine/order.h"
@@ -107,12 +107,12 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     size_t n = scene->spec.grains;
     scene->grains.capacity = n;
     enum rk_status status = rk_fields_resize(scene, &rk_grain_fields, n, err);
-    /* Loops over grains take whole vectors: what lies behind the last grain is read, never used. */
-    scene->grains.force = rk_array_create(n + LANES, RK_FORCE_WIDTH * sizeof(double));
+    scene->grains.force = rk_array_create(n + RK_BLOCK, RK_FORCE_WIDTH * sizeof(double));
+    scene->grains.motion = rk_array_create(n + RK_BLOCK, RK_MOTION_WIDTH * sizeof(double));
     bool eased = true;
     if (scene->has[RK_IF_IMPLICIT]) {
-        scene->grains.ease = rk_array_create(n + LANES, sizeof(double));
-        scene->grains.spread = rk_array_create(n + LANES, RK_FORCE_WIDTH * sizeof(double));
+        scene->grains.ease = rk_array_create(n + RK_BLOCK, sizeof(double));
+        scene->grains.spread = rk_array_create(n + RK_BLOCK, RK_FORCE_WIDTH * sizeof(double));
         eased = scene->grains.ease && scene->grains.spread;
     }
     near->cell_of = rk_array_create(n, sizeof(uint32_t));
@@ -125,8 +125,9 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     if (status == RK_OK && scene->has[RK_IF_LEDGER]) {
         status = rk_ledger_create(scene, err);
     }
-    if (status == RK_OK && (!eased || !scene->grains.force || !near->cell_of || !near->in_cell ||
-                            !near->row_start || !scene->walls)) {
+    if (status == RK_OK &&
+        (!eased || !scene->grains.force || !scene->grains.motion || !near->cell_of ||
+         !near->in_cell || !near->row_start || !scene->walls)) {
         status = rk_fail(err, RK_EMEMORY, "no memory for a scene of %zu grains", n);
     }
     return status;
@@ -140,14 +141,31 @@ static void note_needs(struct rk_scene *scene) {
     scene->has[RK_ALWAYS] = true;
     scene->has[RK_IF_ROTATES] = contact->friction != &rk_friction_none.piece;
     scene->has[RK_IF_REMEMBERS] = springs || rolls || implicit;
-    scene->has[RK_IF_ROLLS] = rolls || implicit; /* histories come one after the other */
+    scene->has[RK_IF_SPRINGS] = springs;
+    scene->has[RK_IF_ROLLS] = rolls;
     scene->has[RK_IF_IMPLICIT] = implicit;
     scene->has[RK_IF_DERIVED] = rk_integrator_of(scene->spec.accuracy.integrator)->derivatives;
     scene->has[RK_IF_DERIVED_TURN] = scene->has[RK_IF_DERIVED] && scene->has[RK_IF_ROTATES];
     scene->has[RK_IF_LEDGER] = scene->spec.ledger;
-    scene->pairs.histories = implicit ? 3 : rolls ? 2 : springs ? 1 : 0;
-    scene->touching.histories = scene->pairs.histories;
     scene->wall_touching.histories = implicit ? 3 : 2;
+}
+
+bool rk_scene_keeps(const struct rk_scene *scene, int history) {
+    static const enum rk_need needs[RK_HISTORIES] = {
+        [RK_HISTORY_FT] = RK_IF_SPRINGS,
+        [RK_HISTORY_MOMENT] = RK_IF_ROLLS,
+        [RK_HISTORY_FN] = RK_IF_IMPLICIT,
+    };
+    return scene->has[needs[history]];
+}
+
+bool rk_scene_knows(const struct rk_scene *scene, int history) {
+    static const enum rk_need needs[RK_HISTORIES] = {
+        [RK_HISTORY_FT] = RK_IF_ROTATES,
+        [RK_HISTORY_MOMENT] = RK_IF_ROLLS,
+        [RK_HISTORY_FN] = RK_ALWAYS,
+    };
+    return scene->has[needs[history]];
 }
 
 enum rk_status rk_scene_create(const struct rk_scene_spec *spec, struct rk_scene **scene,
@@ -210,6 +228,7 @@ void rk_scene_free(struct rk_scene *scene) {
         return;
     }
     rk_neighbours_free(scene);
+    rk_close_free(scene);
     rk_shares_free(scene);
     rk_walls_free(scene);
     rk_fields_free(scene, &rk_grain_fields);
@@ -218,6 +237,7 @@ void rk_scene_free(struct rk_scene *scene) {
     rk_fields_free(scene, &rk_ledger_fields);
     rk_fields_free(scene, &rk_lid_fields);
     free(scene->grains.force);
+    free(scene->grains.motion);
     free(scene->grains.ease);
     free(scene->grains.spread);
     free(scene->index_of);
@@ -436,13 +456,19 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
         }
     }
     since = tick(scene, RK_PHASE_NEIGHBOURS, since);
+    if (!rk_close_holds(scene)) {
+        rk_shares_pick(scene);
+    }
+    since = tick(scene, RK_PHASE_CLOSE, since);
     rk_shares_push(scene, law);
     since = tick(scene, RK_PHASE_PUSH, since);
     enum rk_status status = rk_walls_push(scene, law, err);
     tick(scene, RK_PHASE_WALLS, since);
     scene->profile.pairs += scene->pairs.count;
     for (size_t t = 0; t < scene->share_count; t++) {
-        scene->profile.contacts += scene->shares[t].touching.count;
+        const struct rk_close *close = &scene->shares[t].close;
+        scene->profile.contacts += close->touching;
+        scene->profile.close += close->end - close->own;
     }
     return status;
 }
@@ -450,6 +476,7 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
 enum rk_status rk_scene_add_forces(struct rk_scene *scene, double dt, struct rk_error *err) {
     struct rk_contact_law law;
     rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, dt);
+    scene->kernel->ready(&scene->grains, 0, scene->grains.count, scene->spec.gravity);
     return add_forces(scene, &law, err);
 }
 
@@ -503,9 +530,22 @@ void rk_scene_index_tags(struct rk_scene *scene) {
     }
 }
 
-static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_law *law,
-                                struct rk_error *err) {
-    const enum rk_scheme scheme = rk_integrator_of(scene->spec.accuracy.integrator)->scheme;
+/* How far a call has come. */
+struct progress {
+    uint64_t left;         /* steps to be done after this one */
+    bool ahead;            /* the grains are predicted already */
+    struct rk_bounds move; /* how far that moves them */
+};
+
+/* Nothing looks at the grains between this step and the next one. */
+static bool goes_on(const struct rk_scene *scene, enum rk_scheme scheme, const struct progress *p) {
+    return scene->kernel->advance[scheme] && p->left > 0 && !scene->has[RK_IF_LEDGER] &&
+           scene->steps % RK_ORDER_EVERY != 0 && !rk_health_due(scene, &p->move);
+}
+
+/* Before the forces of a step: order, grains and walls. */
+static enum rk_status begin_step(struct rk_scene *scene, enum rk_scheme scheme, struct progress *p,
+                                 struct rk_error *err) {
     enum rk_status status = RK_OK;
     if (scene->steps % RK_ORDER_EVERY == 0) {
         rk_shares_gather(scene);
@@ -519,32 +559,42 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
         return status;
     }
     uint64_t since = scene->now ? scene->now() : 0;
-    struct rk_bounds move = rk_shares_predict(scene, scheme);
+    if (!p->ahead) {
+        p->move = rk_shares_predict(scene, scheme);
+    }
     if (scene->has[RK_IF_LIDS]) {
         rk_lids_predict(scene);
     }
     rk_walls_move(scene, (double)(scene->steps + 1) * scene->spec.dt);
     tick(scene, RK_PHASE_MOVE, since);
-    status = add_forces(scene, law, err);
-    if (status) {
-        return status;
-    }
-    since = scene->now ? scene->now() : 0;
-    struct rk_bounds more = rk_shares_correct(scene, scheme, scene->spec.dt);
-    for (int k = 0; k < 2; k++) {
-        move.low[k] += more.low[k];
-        move.high[k] += more.high[k];
-    }
+    return RK_OK;
+}
+
+/* After them. */
+static enum rk_status end_step(struct rk_scene *scene, enum rk_scheme scheme, struct progress *p,
+                               struct rk_error *err) {
+    uint64_t since = scene->now ? scene->now() : 0;
     if (scene->has[RK_IF_LIDS]) {
         rk_lids_correct(scene, scene->spec.dt);
     }
-    tick(scene, RK_PHASE_MOVE, since);
     scene->steps++;
+    p->ahead = goes_on(scene, scheme, p);
+    if (p->ahead) {
+        p->move = rk_shares_advance(scene, scheme);
+        tick(scene, RK_PHASE_MOVE, since);
+        return RK_OK;
+    }
+    struct rk_bounds more = rk_shares_correct(scene, scheme, scene->spec.dt);
+    for (int k = 0; k < 2; k++) {
+        p->move.low[k] += more.low[k];
+        p->move.high[k] += more.high[k];
+    }
+    tick(scene, RK_PHASE_MOVE, since);
     if (scene->has[RK_IF_LEDGER]) {
         rk_shares_gather(scene);
         rk_ledger_step(scene);
     }
-    if (!rk_health_due(scene, &move)) {
+    if (!rk_health_due(scene, &p->move)) {
         return RK_OK;
     }
     rk_shares_gather(scene);
@@ -552,12 +602,17 @@ static enum rk_status step_once(struct rk_scene *scene, const struct rk_contact_
 }
 
 enum rk_status rk_scene_step(struct rk_scene *scene, uint64_t steps, struct rk_error *err) {
+    const enum rk_scheme scheme = rk_integrator_of(scene->spec.accuracy.integrator)->scheme;
+    struct progress progress = {.ahead = false};
     struct rk_contact_law law;
     rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count,
                         scene->spec.dt);
     enum rk_status status = scene->ready ? RK_OK : rk_scene_get_ready(scene, err);
     for (uint64_t s = 0; status == RK_OK && s < steps; s++) {
-        status = step_once(scene, &law, err);
+        progress.left = steps - s - 1;
+        status = begin_step(scene, scheme, &progress, err);
+        status = status ? status : add_forces(scene, &law, err);
+        status = status ? status : end_step(scene, scheme, &progress, err);
     }
     rk_shares_gather(scene);
     return status;

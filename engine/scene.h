@@ -10,11 +10,19 @@
 #include "engine/engine.h"
 #include "engine/primitives.h"
 
+/* Loops over arrays take whole vectors: arrays are padded to blocks of this many, a multiple of
+ * every vector width, and what lies behind their last entry is read but never used. */
+enum { RK_BLOCK = 8 };
+
 /* Sums over contacts of a grain: fx, fy, torque, and one double to fill half a cache line. */
 enum { RK_FORCE_WIDTH = 4 };
 
-/* What a contact remembers while it lives: the tangential force, the rolling moment, and for an
- * implicit integrator the normal force. A scene has the first few of them. */
+/* x, y, vx, vy of a grain, which one load brings. */
+enum { RK_MOTION_WIDTH = 4 };
+
+/* What a contact has: the tangential force where there is friction, the rolling moment where there
+ * is rolling resistance, the normal force. It remembers while it lives those that its law needs:
+ * springs the first, rolling springs the second, an implicit integrator the third. */
 enum { RK_HISTORY_FT, RK_HISTORY_MOMENT, RK_HISTORY_FN, RK_HISTORIES };
 
 /* What a scene may have or not have; state that belongs to it is there or not. */
@@ -22,6 +30,7 @@ enum rk_need {
     RK_ALWAYS,
     RK_IF_ROTATES,      /* there is friction */
     RK_IF_REMEMBERS,    /* contacts have a history */
+    RK_IF_SPRINGS,      /* friction remembers */
     RK_IF_ROLLS,        /* there is rolling resistance */
     RK_IF_MIXED,        /* there are several materials */
     RK_IF_LEDGER,       /* energies are accounted for */
@@ -43,6 +52,7 @@ struct rk_grains {
     uint32_t *tag;
     uint32_t *material; /* NULL where there is one material only */
     double *force;      /* [capacity][RK_FORCE_WIDTH], scratch of a step */
+    double *motion;     /* [capacity][RK_MOTION_WIDTH], what the forces were evaluated with */
     double *ease;   /* how easily its contacts move a grain, scratch of an implicit step; or NULL */
     double *spread; /* [capacity][RK_FORCE_WIDTH], scratch for that */
 };
@@ -51,23 +61,34 @@ struct rk_grains {
 struct rk_pairs {
     size_t count, capacity;
     uint32_t *first, *second;
-    double *shift;  /* added to x[second] - x[first] to reach the nearest image; NULL if open */
-    double *reach2; /* (R_first + R_second)^2 */
-    size_t histories;
-    double *history[RK_HISTORIES]; /* of the last step, 0 if not touching */
+    double *shift; /* added to x[second] - x[first] to reach the nearest image; NULL if open */
+    double *reach; /* R_first + R_second */
+    double *history[RK_HISTORIES]; /* of pairs that are not close, to which it returns; or NULL */
 };
 
-/* The touching ones of the last step, in the same order. */
+/* The close ones among a thread's pairs, in the same order, those of earlier threads whose second
+ * grain is its own before them ("ghosts": both threads work them out, each for its own grain).
+ * engine/close.h */
+struct rk_close {
+    size_t ghosts;   /* from 0 on, and filled up to `own` */
+    size_t own;      /* from here to `end`; a multiple of RK_BLOCK */
+    size_t crossing; /* from here on the second grain may be another thread's; likewise */
+    size_t end;      /* filled up behind that */
+    size_t last;     /* the thread's grains are before this one */
+    size_t touching; /* its own ones of the last step */
+    uint32_t *first, *second;
+    uint32_t *pair; /* NULL where nothing is remembered */
+    double *shift, *reach;
+    double *radius_first, *radius_second; /* NULL where no law needs them */
+    double *history[RK_HISTORIES];        /* of the last step, 0 if not touching */
+};
+
+/* The touching ones of the last step in the same order, for whoever wants to look. */
 struct rk_touching {
     size_t count;
-    uint32_t *first, *second, *pair;
+    uint32_t *first, *second;
     double *dx, *dy, *d2; /* from first to second */
-    size_t histories;
     double *history[RK_HISTORIES];
-    double *force; /* [capacity][RK_FORCE_WIDTH]: on second fx, fy; torques on first, second */
-    /* For several threads: contacts whose second grain is at `last` or behind. NULL for one. */
-    size_t last, crossings;
-    uint32_t *crossing;
 };
 
 /* Bounds of the displacements of all grains since the neighbour list was built: the sums of the
@@ -76,17 +97,28 @@ struct rk_bounds {
     double low[2], high[2];
 };
 
+/* Widen bounds to hold others as well. */
+static inline void rk_bounds_join(struct rk_bounds *all, const struct rk_bounds *part) {
+    for (int k = 0; k < 2; k++) {
+        all->low[k] = part->low[k] < all->low[k] ? part->low[k] : all->low[k];
+        all->high[k] = part->high[k] > all->high[k] ? part->high[k] : all->high[k];
+    }
+}
+
 /* What one thread does: rows of the pair list, which are grains, and their pairs and contacts. */
 struct rk_share {
     size_t begin, end; /* grains; begin is a multiple of the vector width */
     size_t pair_begin, pair_end;
-    struct rk_touching touching; /* a stretch of the scene's arrays */
+    size_t ghost_begin, ghost_end; /* in scene->ghosts: pairs of earlier threads */
+    struct rk_close close;         /* a stretch of the scene's arrays */
     struct rk_bounds moved;
 };
 
 struct rk_neighbours {
     bool valid;
     struct rk_bounds moved; /* since then */
+    bool close_valid;
+    struct rk_bounds crept; /* since the close ones were picked */
     double cell;            /* side of a cell */
     double bulk_radius;     /* grains up to this fit the cells; larger ones search further */
     double largest;         /* the largest sum of two radii */
@@ -185,11 +217,13 @@ struct rk_scene {
     uint32_t *index_of; /* [tag] the grain's place in the order; NULL before the first step */
     struct rk_grains grains;
     struct rk_pairs pairs;
+    struct rk_close close; /* the arrays of all shares */
+    size_t close_capacity;
+    uint32_t *ghosts;            /* pairs whose second grain is another thread's, by that thread */
     struct rk_touching touching; /* whole between calls; within a step, the shares have it */
     struct rk_share *shares;
     size_t share_count;
-    bool scattered;     /* the contacts lie with the shares, not in touching */
-    uint32_t *crossing; /* [pairs.capacity + ...] of all shares; NULL for one thread */
+    bool scattered; /* the contacts lie with the shares, not in touching */
     struct rk_neighbours neighbours;
     struct rk_wall *walls;
     size_t wall_count;
@@ -205,6 +239,10 @@ size_t rk_scene_index(const struct rk_scene *scene, uint32_t tag);
 
 /* Work out what depends on the radii; before the first step and after unpacking. */
 enum rk_status rk_scene_get_ready(struct rk_scene *scene, struct rk_error *err);
+
+/* Must contacts remember this, as one of RK_HISTORY_...? Has a contact got it? */
+bool rk_scene_keeps(const struct rk_scene *scene, int history);
+bool rk_scene_knows(const struct rk_scene *scene, int history);
 
 /* The forces of the present positions and velocities in grains->force, as after a step of dt; dt
  * below 0 goes back in time. */

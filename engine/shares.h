@@ -1,8 +1,8 @@
 /* One replica on several threads: who does which grains, pairs and contacts.
  *
- * Grains are cut into stretches of the order, one a thread; a pair belongs to its first grain. The
- * forces of a thread's contacts are worked out first, then, when all are there, each thread adds
- * up the forces on its own grains in the one order that there is. So the bytes do not depend on
+ * Grains are cut into stretches of the order, one a thread; a pair belongs to its first grain. Each
+ * thread adds up the forces on its own grains, in the one order that there is, and works out
+ * contacts with earlier threads' grains for itself (engine/close.h). So the bytes do not depend on
  * the number of threads.
  */
 #ifndef RK_ENGINE_SHARES_H
@@ -25,14 +25,20 @@ enum rk_status rk_shares_cut(struct rk_scene *scene, struct rk_error *err);
 struct rk_bounds rk_shares_predict(struct rk_scene *scene, enum rk_scheme scheme);
 struct rk_bounds rk_shares_correct(struct rk_scene *scene, enum rk_scheme scheme, double dt);
 
-/* Which pairs touch, what they remember staying with the pairs: no forces, nothing changes. */
+/* Correct, and predict the next step, in one pass: where the kernel has it for this scheme. */
+struct rk_bounds rk_shares_advance(struct rk_scene *scene, enum rk_scheme scheme);
+
+/* Pick the close pairs anew. */
+void rk_shares_pick(struct rk_scene *scene);
+
+/* Which pairs touch, for whoever wants to look: no forces, nothing changes. */
 void rk_shares_touch(struct rk_scene *scene);
 
 /* The same for contacts that are known, where they were found at other positions than the present:
  * they are measured, none is lost or found. */
 void rk_shares_recall(struct rk_scene *scene);
 
-/* Weights and the forces of all pairs into grains->force. */
+/* The forces of all pairs, added to grains->force. */
 void rk_shares_push(struct rk_scene *scene, const struct rk_contact_law *law);
 
 /* Put the contacts of all shares together in scene->touching, for whoever wants to look. */

@@ -3,7 +3,6 @@
 #include "base/memory.h"
 #include "engine/fields.h"
 #include "engine/kernel.h"
-#include "engine/lanes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -26,7 +25,7 @@ static enum rk_status reserve_contacts(struct rk_scene *scene, struct rk_error *
     if (most <= t->capacity) {
         return RK_OK;
     }
-    size_t capacity = most + most / 2 + 64, room = capacity + LANES;
+    size_t capacity = most + most / 2 + 64, room = capacity + RK_BLOCK;
     double **const arrays[] = {&t->nx, &t->ny,    &t->overlap, &t->vx,
                                &t->vy, &t->omega, &t->rough,   &t->fn};
     bool had = replace(&t->force, RK_FORCE_WIDTH * room);
@@ -195,7 +194,7 @@ static void touch_shape(struct rk_scene *scene, size_t w, bool recall) {
 
 /* The empty lanes behind the last contact repeat it; nobody reads what comes of them. */
 static void fill_up(struct rk_wall_touching *t) {
-    for (size_t c = t->count; t->count > 0 && c % LANES != 0; c++) {
+    for (size_t c = t->count; t->count > 0 && c % RK_BLOCK != 0; c++) {
         t->grain[c] = t->grain[t->count - 1];
         t->material[c] = t->material[t->count - 1];
     }

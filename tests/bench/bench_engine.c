@@ -160,8 +160,9 @@ static enum rk_status measure(const struct options *o, struct rk_scene *scene,
            1e-6 * rates[o->repeat / 2], 1e-6 * rates[0], 1e-6 * rates[o->repeat - 1]);
     printf("neighbour rebuilds: %.1f in %lu steps\n",
            (double)(after.rebuilds - before.rebuilds) / (double)o->repeat, o->steps);
-    printf("pairs listed a grain: %.2f, touching: %.2f\n",
+    printf("pairs listed a grain: %.2f, close: %.2f, touching: %.2f\n",
            (double)(after.pairs - before.pairs) / all / (double)rk_scene_grains(scene),
+           (double)(after.close - before.close) / all / (double)rk_scene_grains(scene),
            (double)(after.contacts - before.contacts) / all / (double)rk_scene_grains(scene));
     return RK_OK;
 }

@@ -36,7 +36,7 @@ static void cost_table(FILE *out, size_t sizes, const size_t grains[],
             const struct timing *t = &timings[s][m];
             const struct martins_table *martins = martins_table_of(grains[s] - 1);
             const double values[] = {t->phase[RK_PHASE_NEIGHBOURS],
-                                     t->phase[RK_PHASE_TOUCH],
+                                     t->phase[RK_PHASE_CLOSE],
                                      t->phase[RK_PHASE_PUSH],
                                      t->phase[RK_PHASE_WALLS],
                                      t->phase[RK_PHASE_MOVE],

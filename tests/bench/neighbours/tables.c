@@ -166,7 +166,7 @@ void print_table(const struct bed *bed, const struct timing t[METHODS]) {
     print_columns(martins);
     print_phase("neighbours (list of neighbors)", t, RK_PHASE_NEIGHBOURS,
                 martins ? martins->list : NULL);
-    print_phase("touch (detect contact)", t, RK_PHASE_TOUCH, martins ? martins->detect : NULL);
+    print_phase("close (detect contact)", t, RK_PHASE_CLOSE, martins ? martins->detect : NULL);
     print_phase("push (calculate forces)", t, RK_PHASE_PUSH, martins ? martins->forces : NULL);
     print_phase("walls", t, RK_PHASE_WALLS, NULL);
     print_phase("move (predict and correct states)", t, RK_PHASE_MOVE,

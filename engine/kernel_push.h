@@ -1,0 +1,287 @@
+/* The loops over contacts of engine/kernel.h, included by engine/kernel_body.h. */
+
+/* Which of the variants of the contact passes is meant: always constants, so that what a scene
+ * does not use is not in its loop. */
+struct flavour {
+    enum rk_normal normal;
+    enum rk_tangent tangent;
+    bool rolls, mixed;
+    bool implicit;
+};
+
+/* Eight contacts, of pairs or at walls: what the laws of engine/contact.h are functions of. */
+struct meeting {
+    lanes overlap, rate, slip, spin;
+    lanes reduced_radius, reduced_mass;
+    lanes rough; /* 0 at a smooth wall */
+    lanes ease;  /* implicit: of the two grains together */
+};
+
+struct answer {
+    lanes fn, ft, moment;
+};
+
+#define COEFFICIENT(member)                                                                        \
+    (f.mixed ? lanes_gather(&law->of[0].member, index) : lanes_all(law->of[0].member))
+
+static INLINE struct answer resist(const struct flavour f, const struct rk_contact_law *law,
+                                   const uint32_t *index, const struct meeting *m, lanes fn,
+                                   lanes ft, lanes moment) {
+    struct answer a = {lanes_all(0), ft, moment};
+    lanes dashpot = a.fn;
+    if (f.normal == RK_LINEAR) {
+        a.fn = law_linear(m->overlap, m->rate, COEFFICIENT(kn), COEFFICIENT(gamma));
+        dashpot = f.implicit ? COEFFICIENT(gamma) : dashpot;
+    } else if (f.normal == RK_MASS_DAMPED) {
+        a.fn = law_mass_damped(m->overlap, m->rate, m->reduced_mass, COEFFICIENT(kn),
+                               COEFFICIENT(gamma));
+        dashpot = f.implicit ? COEFFICIENT(gamma) * m->reduced_mass : dashpot;
+    } else {
+        a.fn = law_viscoelastic(m->overlap, m->rate, m->reduced_radius, COEFFICIENT(young),
+                                COEFFICIENT(loss));
+        dashpot = f.implicit ? COEFFICIENT(young) * COEFFICIENT(loss) *
+                                   lanes_root(m->reduced_radius * m->overlap)
+                             : dashpot;
+    }
+    if (f.implicit) {
+        a.fn = implicit_relax(a.fn, fn, law->half_dt * dashpot * m->ease);
+    }
+    a.fn = lanes_larger(a.fn, lanes_all(law->least));
+    if (f.tangent == RK_CUNDALL_STRACK) {
+        a.ft = friction_cundall_strack(ft, m->slip, a.fn, COEFFICIENT(kt_dt),
+                                       COEFFICIENT(mu) * m->rough);
+    } else if (f.tangent == RK_HAFF_WERNER) {
+        a.ft =
+            friction_haff_werner(m->slip, a.fn, COEFFICIENT(gamma_t), COEFFICIENT(mu) * m->rough);
+    }
+    if (f.rolls) {
+        a.moment = rolling_spring(moment, m->spin, a.fn, m->reduced_radius, COEFFICIENT(kt_dt),
+                                  COEFFICIENT(mu_rolling) * m->rough);
+    }
+    return a;
+}
+
+/* Where the coefficients of eight pairs of materials begin, counted in doubles. */
+static INLINE void mix(const struct rk_contact_law *law, const uint32_t *material,
+                       const uint32_t *i, const uint32_t *j, uint32_t index[LANES]) {
+    for (int l = 0; l < LANES; l++) {
+        index[l] = (uint32_t)((material[i[l]] * law->materials + material[j[l]]) *
+                              (uint32_t)RK_COEFFICIENTS);
+    }
+}
+
+/* How LANES close pairs lie and move. */
+struct view {
+    lanes nx, ny, ux, uy;
+    lanes overlap, share; /* share: distance over the sum of the radii */
+    lanes_mask touch;
+};
+
+/* Close pairs c to c + LANES. */
+static INLINE struct view measure(const struct flavour f, const struct rk_grains *grains,
+                                  const struct rk_close *close, size_t c) {
+    const lanes one = lanes_all(1);
+    lanes xi, yi, vxi, vyi, xj, yj, vxj, vyj;
+    lanes_gather_rows(grains->motion, close->first + c, &xi, &yi, &vxi, &vyi);
+    lanes_gather_rows(grains->motion, close->second + c, &xj, &yj, &vxj, &vyj);
+    lanes dx = xj - xi, dy = yj - yi, reach = lanes_load(close->reach + c);
+    if (close->shift) {
+        dx += lanes_load(close->shift + c);
+    }
+    lanes d2 = dx * dx + dy * dy;
+    const lanes_mask touch = lanes_below(d2, reach * reach);
+    d2 = lanes_choose(touch, d2, one); /* all numbers stay finite */
+    lanes distance = lanes_root(d2);
+    lanes quotient = 1 / (distance * reach); /* one division for the two that are needed */
+    lanes inverse = reach * quotient;
+    return (struct view){.nx = dx * inverse,
+                         .ny = dy * inverse,
+                         .ux = vxj - vxi,
+                         .uy = vyj - vyi,
+                         .overlap = reach - distance,
+                         .share = f.tangent != RK_SMOOTH ? d2 * quotient : one,
+                         .touch = touch};
+}
+
+/* Those that do not touch get a force of 0 and nothing to remember. */
+static INLINE void decide(const struct flavour f, const struct rk_grains *grains,
+                          const struct rk_contact_law *law, const struct rk_close *close, size_t c,
+                          const struct view *v, double *rows) {
+    const bool rotates = f.tangent != RK_SMOOTH;
+    const uint32_t *i = close->first + c, *j = close->second + c;
+    uint32_t index[LANES];
+    struct meeting m = {.rough = lanes_all(1), .overlap = v->overlap};
+    lanes nx = v->nx, ny = v->ny;
+    lanes ux = v->ux, uy = v->uy;
+    lanes fn = lanes_all(0), ft = fn, moment = fn, radius_i = fn, radius_j = fn;
+    lanes arm_i = fn, arm_j = fn;
+    m.rate = -(ux * nx + uy * ny);
+    if (rotates || f.normal == RK_VISCOELASTIC) {
+        radius_i = lanes_load(close->radius_first + c);
+        radius_j = lanes_load(close->radius_second + c);
+    }
+    if (f.normal == RK_MASS_DAMPED) {
+        lanes mass_i = lanes_gather(grains->mass, i), mass_j = lanes_gather(grains->mass, j);
+        m.reduced_mass = mass_i * mass_j / (mass_i + mass_j);
+    }
+    if (f.normal == RK_VISCOELASTIC || f.rolls) {
+        m.reduced_radius = radius_i * radius_j / (radius_i + radius_j);
+    }
+    if (rotates) {
+        lanes omega_i = lanes_gather(grains->omega, i), omega_j = lanes_gather(grains->omega, j);
+        lanes share = v->share;
+        arm_i = radius_i * share;
+        arm_j = radius_j * share;
+        m.slip = uy * nx - ux * ny - arm_i * omega_i - arm_j * omega_j;
+        m.spin = omega_i - omega_j;
+    }
+    if (f.mixed) {
+        mix(law, grains->material, i, j, index);
+    }
+    if (f.implicit) {
+        m.ease = lanes_gather(grains->ease, i) + lanes_gather(grains->ease, j);
+        fn = lanes_load(close->history[RK_HISTORY_FN] + c);
+    }
+    if (f.tangent == RK_CUNDALL_STRACK) {
+        ft = lanes_load(close->history[RK_HISTORY_FT] + c);
+    }
+    if (f.rolls) {
+        moment = lanes_load(close->history[RK_HISTORY_MOMENT] + c);
+    }
+    struct answer a = resist(f, law, index, &m, fn, ft, moment);
+    a.fn = lanes_only(v->touch, a.fn);
+    lanes_store(close->history[RK_HISTORY_FN] + c, a.fn);
+    lanes fx = a.fn * nx, fy = a.fn * ny;
+    if (!rotates) {
+        lanes_store_twos(rows, fx, fy);
+        return;
+    }
+    a.ft = lanes_only(v->touch, a.ft);
+    lanes_store(close->history[RK_HISTORY_FT] + c, a.ft);
+    lanes turn_i = arm_i * a.ft, turn_j = -(arm_j * a.ft);
+    if (f.rolls) {
+        a.moment = lanes_only(v->touch, a.moment);
+        lanes_store(close->history[RK_HISTORY_MOMENT] + c, a.moment);
+        turn_i += a.moment;
+        turn_j += a.moment;
+    }
+    lanes_store_rows(rows, fx - a.ft * ny, fy + a.ft * nx, turn_i, turn_j);
+}
+
+/* For every grain there is one order in which its forces are ever added up: its weight, contacts in
+ * which it is second, contacts in which it is first, each in ascending order of the other grain;
+ * then walls. */
+static INLINE void give_first(bool rotates, double *total, const double *rows, size_t l, size_t i) {
+    if (rotates) {
+        four_subtract(total + RK_FORCE_WIDTH * i, rows + 4 * l);
+    } else {
+        two_subtract(total + RK_FORCE_WIDTH * i, rows + lanes_row_of_two(l));
+    }
+}
+
+static INLINE void give_second(bool rotates, double *total, const double *rows, size_t l,
+                               size_t j) {
+    if (rotates) {
+        four_add_exchanged(total + RK_FORCE_WIDTH * j, rows + 4 * l);
+    } else {
+        two_add(total + RK_FORCE_WIDTH * j, rows + lanes_row_of_two(l));
+    }
+}
+
+/* The rows of close pairs c to c + LANES: to the grains of this thread only. */
+static INLINE void give(bool rotates, double *total, const double *rows,
+                        const struct rk_close *close, size_t c) {
+    const uint32_t *i = close->first + c, *j = close->second + c;
+    if (c >= close->own && c < close->crossing) {
+        for (size_t l = 0; l < LANES; l++) {
+            give_first(rotates, total, rows, l, i[l]);
+            give_second(rotates, total, rows, l, j[l]);
+        }
+        return;
+    }
+    for (size_t l = 0; l < LANES; l++) {
+        if (c >= close->own) {
+            give_first(rotates, total, rows, l, i[l]);
+        }
+        if (j[l] < close->last) {
+            give_second(rotates, total, rows, l, j[l]);
+        }
+    }
+}
+
+/* Each round looks at the next pairs before it deals with those it has looked at: roots and
+ * quotients of the ones are worked out while the others are summed. */
+static INLINE void push(const struct flavour f, struct rk_grains *grains,
+                        const struct rk_contact_law *law, struct rk_close *list) {
+    const struct rk_close close = *list; /* nothing that is stored can change these */
+    const struct rk_grains g = *grains;
+    _Alignas(RK_CACHE_LINE) double rows[4 * LANES];
+    size_t touching = 0;
+    struct view view, next;
+    if (close.end > 0) {
+        next = measure(f, &g, &close, 0);
+    }
+    for (size_t c = 0; c < close.end; c += LANES) {
+        view = next;
+        next = measure(f, &g, &close, c + LANES < close.end ? c + LANES : c);
+        decide(f, &g, law, &close, c, &view, rows);
+        give(f.tangent != RK_SMOOTH, g.force, rows, &close, c);
+        touching += c >= close.own ? lanes_tally(view.touch) : 0;
+    }
+    list->touching = touching;
+}
+
+/* The same at walls, with the wall as an infinitely large and heavy partner. */
+static INLINE void press(const struct flavour f, struct rk_grains *grains,
+                         const struct rk_contact_law *law, struct rk_wall_touching *touching) {
+    const bool rotates = f.tangent != RK_SMOOTH;
+    const lanes none = lanes_all(0);
+    for (size_t c = 0; c < touching->count; c += LANES) { /* arrays are filled up to a block */
+        const uint32_t *i = touching->grain + c;
+        uint32_t index[LANES];
+        struct meeting m = {.rough = lanes_load(touching->rough + c)};
+        lanes nx = lanes_load(touching->nx + c), ny = lanes_load(touching->ny + c);
+        lanes ux = lanes_load(touching->vx + c) - lanes_gather(grains->vx, i);
+        lanes uy = lanes_load(touching->vy + c) - lanes_gather(grains->vy, i);
+        lanes radius = lanes_gather(grains->radius, i), fn = none, ft = none, moment = none;
+        m.overlap = lanes_load(touching->overlap + c);
+        m.rate = -(ux * nx + uy * ny);
+        m.reduced_radius = radius;
+        m.reduced_mass = lanes_gather(grains->mass, i);
+        if (rotates) {
+            lanes omega = lanes_gather(grains->omega, i);
+            m.slip = uy * nx - ux * ny - radius * omega;
+            m.spin = omega - lanes_load(touching->omega + c);
+            ft = lanes_load(touching->history[RK_HISTORY_FT] + c);
+            moment = lanes_load(touching->history[RK_HISTORY_MOMENT] + c);
+        }
+        if (f.implicit) {
+            m.ease = lanes_gather(grains->ease, i);
+            fn = lanes_load(touching->history[RK_HISTORY_FN] + c);
+        }
+        if (f.mixed) {
+            for (int l = 0; l < LANES; l++) {
+                index[l] = (uint32_t)((grains->material[i[l]] * law->materials +
+                                       touching->material[c + (size_t)l]) *
+                                      (uint32_t)RK_COEFFICIENTS);
+            }
+        }
+        struct answer a = resist(f, law, index, &m, fn, ft, moment);
+        lanes fx = a.fn * nx, fy = a.fn * ny, turn = none;
+        if (rotates) {
+            fx -= a.ft * ny;
+            fy += a.ft * nx;
+            turn = -(radius * a.ft);
+        }
+        if (f.rolls) {
+            turn -= a.moment;
+        }
+        lanes_store(touching->fn + c, a.fn);
+        if (f.implicit) {
+            lanes_store(touching->history[RK_HISTORY_FN] + c, a.fn);
+        }
+        lanes_store(touching->history[RK_HISTORY_FT] + c, a.ft);
+        lanes_store(touching->history[RK_HISTORY_MOMENT] + c, a.moment);
+        lanes_store_rows(touching->force + RK_FORCE_WIDTH * c, fx, fy, turn, none);
+    }
+}

@@ -1,0 +1,292 @@
+/* Where a step's time goes, against what this machine can do.
+ *
+ *     bench_limits [--smooth] [--copies N] [--kernel NAME] [--repeat N]
+ *
+ * The full periodic Brazil-nut scene (or N copies of it side by side, which do not fit the caches)
+ * is settled, shaken for half a period and stepped with the clock on. In the same run, in turns,
+ * the limits are measured on arrays as large as what the scene holds: bandwidth by the triad a[i] =
+ * b[i] + s c[i] (24 bytes an entry; the line of a that is loaded before it is written is not
+ * counted), and the rate of double-precision additions and multiplications on numbers in registers,
+ * which the compiler takes for the widest vectors of this processor. Printed phase by phase: time,
+ * share, bytes and operations a grain-step by the counts below, what that comes to a second, and
+ * what share of the limits that is. Bytes are those of the arrays that a phase goes through, each
+ * counted once a pass; what is taken from a row again, because it is near, is not counted. */
+#include "cases/bne/bne.h"
+
+#include "base/memory.h"
+
+#include <gsl/gsl_math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { MOST = 101, CHAINS = 12, WIDTH = 8 };
+
+struct options {
+    bool smooth;
+    size_t copies;
+    unsigned long repeat;
+    const char *kernel;
+};
+
+static uint64_t nanoseconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
+}
+
+static int by_size(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(double *values, size_t count) {
+    qsort(values, count, sizeof *values, by_size);
+    return values[count / 2];
+}
+
+/* ---- The machine's limits ---------------------------------------------------------------------
+ */
+
+/* Bytes a nanosecond. */
+__attribute__((target_clones("avx512f", "avx2", "default"))) static double
+triad(double *restrict a, const double *restrict b, const double *restrict c, size_t n) {
+    size_t passes = 20000000 / n + 1;
+    uint64_t begin = nanoseconds();
+    for (size_t p = 0; p < passes; p++) {
+        double s = 1 + 1e-9 * (double)p;
+        for (size_t i = 0; i < n; i++) {
+            a[i] = b[i] + s * c[i];
+        }
+        __asm__ volatile("" : : "r"(a) : "memory");
+    }
+    return 24.0 * (double)n * (double)passes / (double)(nanoseconds() - begin);
+}
+
+/* Operations a nanosecond: independent chains of x <- x m + d, a product and a sum each. */
+__attribute__((target_clones("avx512f", "avx2", "default"))) static double arithmetic(void) {
+    const size_t rounds = 2000000;
+    double x[CHAINS][WIDTH], sum = 0;
+    for (int k = 0; k < CHAINS; k++) {
+        for (int l = 0; l < WIDTH; l++) {
+            x[k][l] = 1 + k + 0.1 * l;
+        }
+    }
+    uint64_t begin = nanoseconds();
+    for (size_t r = 0; r < rounds; r++) {
+        for (int k = 0; k < CHAINS; k++) {
+            for (int l = 0; l < WIDTH; l++) {
+                x[k][l] = x[k][l] * 0.999 + 0.001;
+            }
+        }
+    }
+    uint64_t spent = nanoseconds() - begin;
+    for (int k = 0; k < CHAINS; k++) {
+        for (int l = 0; l < WIDTH; l++) {
+            sum += x[k][l];
+        }
+    }
+    return sum > 0 ? 2.0 * CHAINS * WIDTH * (double)rounds / (double)spent : 0;
+}
+
+/* ---- What a phase goes through a grain-step ----------------------------------------------------
+ */
+
+struct work {
+    double bytes, operations;
+};
+
+/* Per grain and component: r, v, a read and written; a force, 3 operations to correct, 6 to
+ * predict, 1 for the acceleration. Per grain: the force row read and, with the next weight (4),
+ * written, the motion row written, mass, inverse mass and, if it turns, inverse inertia read. */
+static struct work move_work(bool turns) {
+    double components = turns ? 3 : 2;
+    return (struct work){.bytes = 48 * components + 32 + 32 + 32 + 16 + (turns ? 8 : 0),
+                         .operations = 10 * components + 4};
+}
+
+/* Per listed pair: two indices, shift, reach, and the tangential force in and out; x, y of the
+ * grains once. Per close pair: two indices, shift, reach, and with friction index, two radii, the
+ * force, all written. 8 operations a pair. */
+static struct work pick_work(bool turns, double pairs, double close, double picks_a_step) {
+    double bytes = pairs * (24 + (turns ? 16 : 0)) + 16 + close * (24 + (turns ? 4 + 16 + 8 : 0));
+    return (struct work){.bytes = picks_a_step * bytes, .operations = picks_a_step * 8 * pairs};
+}
+
+/* Per close pair: two indices, shift, reach, the normal force out and with friction two radii and
+ * the tangential force in and out. Per grain: the motion row in, the force row in and out, the
+ * angular velocity. Operations of a close pair: 29 for geometry (a root and a quotient are one
+ * each), 8 for the normal force and 4 for its sums; friction 29 more. */
+static struct work push_work(bool turns, double close) {
+    return (struct work){.bytes = close * (32 + (turns ? 32 : 0)) + 32 + 64 + (turns ? 8 : 0),
+                         .operations = close * (28 + (turns ? 22 : 0))};
+}
+
+/* ---- The scene ------------------------------------------------------------------------------- */
+
+static enum rk_status copy(const struct options *o, const struct rk_bne *bne,
+                           const struct rk_scene *one, struct rk_scene **scene,
+                           struct rk_error *err) {
+    struct rk_scene_spec spec = *rk_scene_spec(one);
+    const size_t n = rk_scene_grains(one);
+    const double w = 2 * M_PI / bne->drive.period, width = spec.period_x;
+    const struct rk_wall_spec plate = {
+        .normal = {0, 1},
+        .friction = true,
+        .drive = {.kind = rk_registry_find(&rk_drive_registry, "sinusoid"),
+                  .amplitude = bne->drive.acceleration / (w * w),
+                  .period = bne->drive.period,
+                  .phase = w * rk_scene_time(one),
+                  .direction = {0, 1}}};
+    spec.grains = n * o->copies;
+    spec.period_x = width * (double)o->copies;
+    spec.kernel = o->kernel ? rk_registry_find(&rk_kernel_registry, o->kernel) : NULL;
+    if (o->kernel && !spec.kernel) {
+        return rk_fail(err, RK_EINVALID, "no kernel is called '%.32s'", o->kernel);
+    }
+    enum rk_status status = rk_scene_create(&spec, scene, err);
+    status = status ? status : rk_scene_add_wall(*scene, &plate, err);
+    for (size_t k = 0; status == RK_OK && k < o->copies; k++) {
+        for (uint32_t i = 0; status == RK_OK && i < n; i++) {
+            struct rk_grain grain;
+            status = rk_scene_grain(one, i, &grain, err);
+            grain.x += (double)k * width;
+            status = status ? status : rk_scene_add_grain(*scene, &grain, err);
+        }
+    }
+    return status ? status : rk_scene_step(*scene, 200, err);
+}
+
+static enum rk_status make(const struct options *o, struct rk_scene **scene, struct rk_error *err) {
+    struct rk_bne bne;
+    struct rk_scene *one = NULL;
+    struct rk_preparation report;
+    struct rk_stream stream = rk_stream_of(1, 0, 0, RK_FOR_GRAINS, 0);
+    rk_param_defaults(rk_case_bne.params, &bne);
+    bne.box.sides = &rk_bne_sides_periodic;
+    bne.box.width = 28;
+    if (o->smooth) {
+        bne.contact.friction = rk_registry_find(&rk_friction_registry, "none");
+    }
+    enum rk_status status = rk_case_bne.prepare(&bne, stream, NULL, &one, &report, err);
+    status = status ? status : rk_scene_step(one, 12500, err);
+    status = status ? status : copy(o, &bne, one, scene, err);
+    rk_scene_free(one);
+    return status;
+}
+
+/* ---- Measuring ------------------------------------------------------------------------------- */
+
+struct figures {
+    double bandwidth, rate;          /* GB/s, Gflop/s */
+    double ns[RK_PHASE_COUNT];       /* a grain-step */
+    double pairs, close, picks, all; /* a grain-step; picks a step */
+};
+
+static enum rk_status measure(const struct options *o, struct rk_scene *scene, struct figures *f,
+                              struct rk_error *err) {
+    const size_t grains = rk_scene_grains(scene), entries = rk_scene_memory(scene) / 24;
+    const uint64_t steps = 2000000 / grains + 5;
+    const double work = (double)steps * (double)grains;
+    double bandwidth[MOST], rate[MOST], phase[RK_PHASE_COUNT][MOST];
+    double *a = rk_array_create(entries, sizeof *a), *b = rk_array_create(entries, sizeof *b);
+    double *c = rk_array_create(entries, sizeof *c);
+    enum rk_status status = a && b && c ? RK_OK : rk_fail(err, RK_EMEMORY, "out of memory");
+    struct rk_profile first = rk_scene_profile(scene), last = first;
+    for (unsigned long r = 0; status == RK_OK && r < o->repeat; r++) {
+        bandwidth[r] = triad(a, b, c, entries);
+        rate[r] = arithmetic();
+        rk_scene_set_clock(scene, nanoseconds);
+        struct rk_profile before = rk_scene_profile(scene);
+        status = rk_scene_step(scene, steps, err);
+        last = rk_scene_profile(scene);
+        for (int p = 0; p < RK_PHASE_COUNT; p++) {
+            phase[p][r] = (double)(last.ticks[p] - before.ticks[p]) / work;
+        }
+    }
+    if (status == RK_OK) {
+        double all = work * (double)o->repeat;
+        f->bandwidth = median(bandwidth, o->repeat);
+        f->rate = median(rate, o->repeat);
+        f->pairs = (double)(last.pairs - first.pairs) / all;
+        f->close = (double)(last.close - first.close) / all;
+        f->picks = (double)(last.picks - first.picks) / (double)(steps * o->repeat);
+        for (int p = 0; p < RK_PHASE_COUNT; p++) {
+            f->ns[p] = median(phase[p], o->repeat);
+            f->all += f->ns[p];
+        }
+    }
+    free(a);
+    free(b);
+    free(c);
+    return status;
+}
+
+static void print(const struct options *o, const struct rk_scene *scene, const struct figures *f) {
+    const bool turns = !o->smooth;
+    struct work work[RK_PHASE_COUNT] = {[RK_PHASE_MOVE] = move_work(turns),
+                                        [RK_PHASE_CLOSE] =
+                                            pick_work(turns, f->pairs, f->close, f->picks),
+                                        [RK_PHASE_PUSH] = push_work(turns, f->close)};
+    printf(
+        "%zu grains, %s friction, kernel %s: %.2f pairs listed, %.2f close a grain, picked every "
+        "%.1f steps\n",
+        rk_scene_grains(scene), turns ? "with" : "without", rk_scene_spec(scene)->kernel->name,
+        f->pairs, f->close, 1 / f->picks);
+    printf("limits: triad on %.1f MB %.1f GB/s, arithmetic %.1f Gflop/s\n",
+           1e-6 * (double)rk_scene_memory(scene), f->bandwidth, f->rate);
+    printf("%-11s %8s %7s %7s %7s %7s %9s %9s %9s\n", "phase", "ns/gr-st", "share", "bytes", "ops",
+           "GB/s", "Gflop/s", "of triad", "of arith");
+    for (int p = 0; p < RK_PHASE_COUNT; p++) {
+        double ns = f->ns[p], bytes = work[p].bytes, operations = work[p].operations;
+        printf("%-11s %8.2f %5.1f %%", rk_phase_name((enum rk_phase)p), ns, 100 * ns / f->all);
+        if (bytes > 0) {
+            printf(" %7.1f %7.1f %7.1f %9.2f %7.1f %% %7.1f %%", bytes, operations, bytes / ns,
+                   operations / ns, 100 * bytes / ns / f->bandwidth,
+                   100 * operations / ns / f->rate);
+        }
+        printf("\n");
+    }
+    printf("all         %8.2f\n", f->all);
+}
+
+static struct options read_options(int argc, char **argv) {
+    struct options o = {.copies = 1, .repeat = 11};
+    for (int i = 1; i < argc; i++) {
+        const char *value = i + 1 < argc ? argv[i + 1] : "";
+        if (strcmp(argv[i], "--smooth") == 0) {
+            o.smooth = true;
+        } else if (strcmp(argv[i], "--copies") == 0) {
+            o.copies = strtoull(value, NULL, 10), i++;
+        } else if (strcmp(argv[i], "--repeat") == 0) {
+            o.repeat = strtoul(value, NULL, 10), i++;
+        } else if (strcmp(argv[i], "--kernel") == 0) {
+            o.kernel = value, i++;
+        } else {
+            fprintf(stderr, "bench_limits: unknown option %s\n", argv[i]);
+            exit(2);
+        }
+    }
+    if (o.repeat < 1 || o.repeat > MOST || o.copies < 1 || o.copies > 400) {
+        fprintf(stderr, "bench_limits: --repeat takes 1 to %d, --copies 1 to 400\n", MOST);
+        exit(2);
+    }
+    return o;
+}
+
+int main(int argc, char **argv) {
+    struct options o = read_options(argc, argv);
+    struct rk_scene *scene = NULL;
+    struct rk_error err = RK_NO_ERROR;
+    struct figures figures = {0};
+    enum rk_status status = make(&o, &scene, &err);
+    status = status ? status : measure(&o, scene, &figures, &err);
+    if (status == RK_OK) {
+        print(&o, scene, &figures);
+    } else {
+        fprintf(stderr, "bench_limits: %s\n", err.message);
+    }
+    rk_scene_free(scene);
+    return status ? 1 : 0;
+}
