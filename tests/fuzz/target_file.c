@@ -128,7 +128,7 @@ static enum rk_status spool_attempt(const void *bytes, size_t size, struct rk_er
 }
 
 const struct fuzz_target fuzz_spool = {"spool", "spools of running replicas", spool_seed,
-                                       spool_attempt, 8000};
+                                       spool_attempt, 4000};
 
 /* ---- Checkpoints and seals: once as they are, once with a checksum that fits -------------------
  */
@@ -180,7 +180,7 @@ static enum rk_status checkpoint_attempt(const void *bytes, size_t size, struct 
 }
 
 const struct fuzz_target fuzz_checkpoint = {"checkpoint", "checkpoints", checkpoint_seed,
-                                            checkpoint_attempt, 8000};
+                                            checkpoint_attempt, 3000};
 
 static void *seal_seed(size_t k, size_t *size) {
     const struct rk_seal seal = {.origin = origin, .state = RK_SEAL_FAILED, .reason = "too fast"};
@@ -218,4 +218,4 @@ static enum rk_status seal_attempt(const void *bytes, size_t size, struct rk_err
 }
 
 const struct fuzz_target fuzz_seal = {"seal", "seals of finished files", seal_seed, seal_attempt,
-                                      8000};
+                                      3000};

@@ -57,7 +57,7 @@ static enum rk_status study_attempt(const void *bytes, size_t size, struct rk_er
 }
 
 const struct fuzz_target fuzz_study = {"study", "study files, YAML", study_seed, study_attempt,
-                                       6000};
+                                       3000};
 
 /* ---- Tables ------------------------------------------------------------------------------------
  */
@@ -90,4 +90,4 @@ static enum rk_status table_attempt(const void *bytes, size_t size, struct rk_er
 }
 
 const struct fuzz_target fuzz_table = {"table", "columns of CSV files", table_seed, table_attempt,
-                                       8000};
+                                       4000};
