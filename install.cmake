@@ -18,7 +18,7 @@ file(GLOB base_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/base/*.h)
 install(FILES ${base_headers} DESTINATION ${RK_HEADERS}/base)
 set(stats_headers
   blocking correlation data forces histogram ldf ldf_compare ldf_direct ldf_limit ldf_symmetry
-  moments pdf rate relax resample resonance rise_time spectrum spread stats units)
+  moments pdf rate relax resample resonance rise_time spectrum spread stats stein units)
 list(TRANSFORM stats_headers REPLACE "(.+)" "stats/\\1.h")
 foreach(header engine/engine.h cases/cases.h ${stats_headers} ensemble/study.h ensemble/store.h
         ensemble/runner.h ensemble/analysis.h)

@@ -42,3 +42,12 @@ bool rk_number_read(const char *text, double *x) {
     *x = value;
     return true;
 }
+
+double rk_number_round(double x, int digits) {
+    char text[RK_NUMBER_TEXT];
+    locale_t before = enter_c();
+    snprintf(text, sizeof text, "%.*e", digits - 1, x);
+    double rounded = strtod(text, NULL);
+    uselocale(before);
+    return rounded;
+}

@@ -18,4 +18,7 @@ const char *rk_number_text(double x, int least, char text[RK_NUMBER_TEXT]);
  * false and leaves *x alone when it is none, or not finite. */
 bool rk_number_read(const char *text, double *x);
 
+/* x to `digits` (1 to 17) significant decimal digits. */
+double rk_number_round(double x, int digits);
+
 #endif

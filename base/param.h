@@ -36,6 +36,9 @@ struct rk_param {
     bool above_low;     /* ... unless the low end is not */
     const struct rk_registry *choices;
     const char *doc;
+    /* How far something goes and nothing of what happens on the way: with a larger value the same
+     * run goes on, so that runs of another value are not another's. */
+    bool extends;
     bool later; /* it came when studies had been run: at its default no key or identity has it */
 };
 

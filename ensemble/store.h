@@ -49,8 +49,9 @@ bool rk_store_shared(const struct rk_store *store, char who[96]);
 enum rk_run_state { RK_RUN_WAITING, RK_RUN_STARTED, RK_RUN_DONE, RK_RUN_FAILED };
 
 /* What the folder says of a run. DONE and FAILED both have a complete file; FAILED is a run that
- * went numerically wrong, its reason is kept in the file. A damaged file, or one of another study,
- * counts as WAITING; what is looked at is its seal and its length (seal.h), while rk_store_read and
+ * went numerically wrong, its reason is kept in the file. A damaged file, or one of another study
+ * or of a shorter run than asked for, counts as WAITING, or STARTED where there is a checkpoint to
+ * go on from; what is looked at is its seal and its length (seal.h), while rk_store_read and
  * the runner check every byte. `reason` (NULL if not wanted) gets the reason of a FAILED run, ""
  * otherwise. */
 enum rk_run_state rk_store_run_state(const char *folder, const struct rk_plan *plan,

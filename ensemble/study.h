@@ -8,6 +8,7 @@
  *     case: bne
  *     seed: 2021
  *     replicas: 16
+ *     include: common.yaml                # optional (study/sources.h): what is here overrides it
  *     base:
  *       grains.count: 400
  *       contact: {kn: 1000, mu: 0.5}      # nested or dotted, as you like
@@ -16,6 +17,11 @@
  *         box.sides: walls
  *       - name: pbc
  *         box.sides: periodic
+ *     sweep:                              # optional (study/sweep.h): of every point, a grid
+ *       - drive.acceleration: [1.2, 1.5, 1.8]
+ *     until: {analysis: rise, quantity: rate, half_width: 0.01, max_replicas: 100}   # optional
+ *     keep: checkpoint                    # or results, the default: a finished run's last
+ *                                         # checkpoint and spool, for runs that may become longer
  *     analyses:
  *       - rise: {from: 10}
  *       - ldf: {window: 5, from: 10}
@@ -26,7 +32,7 @@
 #include "base/param.h"
 #include "cases/cases.h"
 
-enum { RK_NAME = 64, RK_RUN_ID = RK_NAME + 16, RK_IDENTITY = 33 };
+enum { RK_NAME = 96, RK_RUN_ID = RK_NAME + 16, RK_IDENTITY = 33 };
 
 /* Bounds on what a study file may ask for. */
 #define RK_POINTS_MAX ((size_t)100000)
@@ -37,6 +43,21 @@ struct rk_point {
     char name[RK_NAME]; /* letters, digits, '-', '_' and '.'; unique in the study */
     void *params;       /* a struct of the case's table, every value resolved */
     uint64_t key;       /* of the random streams: a hash of the resolved parameters' text */
+    uint64_t replicas;  /* of this point, 0: the study's */
+};
+
+/* An axis of a sweep: the values of one parameter. */
+struct rk_axis_value {
+    char text[RK_PARAM_TEXT];
+    unsigned char bytes[8]; /* as they stand in the point's struct */
+};
+struct rk_axis {
+    struct rk_param_ref ref;
+    char path[RK_PARAM_PATH];
+    char label[RK_NAME]; /* in the names of points */
+    size_t entry;        /* axes of one entry go in step, entries multiply */
+    struct rk_axis_value *values;
+    size_t count;
 };
 
 struct rk_analysis; /* ensemble/analysis.h */
@@ -46,21 +67,41 @@ struct rk_request {
     void *params;
 };
 
+/* Replicas are added until the interval of a quantity is as narrow as asked (stats/stein.h); the
+ * study's `replicas` are the pilot. */
+struct rk_until {
+    const struct rk_request *request; /* NULL: nothing is asked */
+    char quantity[RK_NAME];           /* a scalar of its results */
+    double half_width, level;
+    uint64_t max_replicas, batch;
+};
+extern const struct rk_param_table rk_until_params; /* half_width, level, max_replicas, batch */
+
 struct rk_study {
     char name[RK_NAME];
     const struct rk_case *scene;
     uint64_t seed;
     uint64_t replicas;
-    struct rk_point *points;
+    bool keeps_checkpoints;  /* of finished runs, so that they can be made longer */
+    struct rk_point *points; /* the explicit points times the sweep, which varies faster */
     size_t point_count;
+    char (*roots)[RK_NAME]; /* the explicit points; none: there is one, that has no name */
+    size_t root_count;
+    struct rk_axis *axes;
+    size_t axis_count;
     struct rk_request *requests;
     size_t request_count;
+    struct rk_until until;
 };
 
 /* Read and resolve a study file. *study is the caller's, free with rk_study_free.
  * RK_EIO: no such file; RK_EINVALID: anything wrong with it, err->where being file:line:column. */
 enum rk_status rk_study_load(const char *path, struct rk_study **study, struct rk_error *err);
 void rk_study_free(struct rk_study *study);
+
+/* The same of a text that includes nothing; `name` stands for the file in messages. */
+enum rk_status rk_study_parse(const char *name, const void *bytes, size_t size,
+                              struct rk_study **study, struct rk_error *err);
 
 /* The study with every parameter written out, as YAML that loads back to the same study.
  * The same study gives the same text. The text is the caller's, free with free(); NULL when memory
@@ -76,10 +117,20 @@ struct rk_run {
     double cost; /* grain-steps, preparation included: the longest go first */
 };
 
+/* What the runs of one point have in common. */
+struct rk_plan_point {
+    char identity[RK_IDENTITY]; /* hex digest of what decides the bytes of a run but its length:
+                                   case, seed, name and parameters of its point; nothing of the
+                                   other points */
+    uint64_t steps;             /* of a run */
+    size_t first, count;        /* its runs: one a replica */
+};
+
 struct rk_plan {
     const struct rk_study *study;
-    char identity[RK_IDENTITY]; /* hex digest of what decides the bytes of the runs: case, seed and
-                                   points, not the number of replicas and not the analyses */
+    char identity[RK_IDENTITY];   /* of all its points, not of the number of their replicas and not
+                                     of the analyses */
+    struct rk_plan_point *points; /* [study->point_count] */
     struct rk_run *runs;
     size_t count;
 };

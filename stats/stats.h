@@ -45,6 +45,7 @@
 #include "stats/rise_time.h"
 #include "stats/spectrum.h"
 #include "stats/spread.h"
+#include "stats/stein.h"
 #include "stats/units.h"
 
 #endif

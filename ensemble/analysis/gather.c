@@ -41,8 +41,8 @@ enum rk_status rk_gather(const char *folder, const struct rk_plan *plan, size_t 
                          struct rk_gathered *g, struct rk_error *err) {
     const struct rk_study *study = plan->study;
     struct rk_schedule schedule = study->scene->schedule(study->points[point].params);
-    const struct rk_run *runs = plan->runs + point * (size_t)study->replicas;
-    size_t replicas = (size_t)study->replicas, done = 0;
+    const struct rk_run *runs = plan->runs + plan->points[point].first;
+    size_t replicas = plan->points[point].count, done = 0;
     *g = (struct rk_gathered){.interval = (double)schedule.sample_every * schedule.dt,
                               .samples = rk_schedule_samples(&schedule)};
     for (size_t r = 0; r < replicas; r++) {

@@ -1,6 +1,7 @@
 /* reckon analyze: every analysis that the study of a folder asks for. */
 #include "ensemble/analysis/report.h"
 #include "ensemble/analysis/report_index.h"
+#include "ensemble/analysis/target.h"
 #include "ensemble/command/command.h"
 
 #include <stdio.h>
@@ -26,7 +27,7 @@ static enum rk_status add_to_index(const struct rk_report *report, const char *f
     return status;
 }
 
-static enum rk_status carry_out(const char *folder, const struct rk_study *study, bool json,
+static enum rk_status carry_out(const char *folder, struct rk_study *study, bool json,
                                 struct rk_error *err) {
     const struct rk_notice notice = {warn, NULL};
     struct rk_plan *plan = NULL;
@@ -45,6 +46,7 @@ static enum rk_status carry_out(const char *folder, const struct rk_study *study
         rk_report_print_json(report, stdout);
     } else if (status == RK_OK) {
         rk_report_print(report, stdout);
+        status = rk_target_print(folder, plan, stdout, err);
         printf("\n");
         rk_report_print_files(report, folder, stdout);
     }

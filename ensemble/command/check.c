@@ -1,4 +1,5 @@
 /* reckon check: what a study will run, what it costs, and what is doubtful about it. */
+#include "ensemble/analysis.h"
 #include "ensemble/analysis/json.h"
 #include "ensemble/command/command.h"
 #include "ensemble/command/speed.h"
@@ -20,11 +21,14 @@ struct check_options {
 struct forecast {
     const char *name;
     size_t grains;
-    uint64_t steps, periods, samples, frames, preparation;
+    uint64_t steps, periods, samples, samples_per_period, frames, preparation;
     double dt, stable_dt, cost, disk;
 };
 
-enum { WARNINGS_MAX = 16 };
+enum { WARNINGS_MAX = 16, POINTS_SHOWN = 24, MANY_POINTS = 1000 };
+
+/* Below these a warning is given. */
+enum { COARSE_SAMPLES = 4, FEW_WINDOWS = 50 };
 
 struct outlook {
     const struct rk_study *study;
@@ -52,8 +56,15 @@ static void __attribute__((format(printf, 2, 3))) warn(struct outlook *o, const 
  * chunks that are not full, their indices, attributes. */
 static double file_size(const struct rk_case *scene, const struct forecast *f) {
     double frame = 6.0 * 4.0 * (double)f->grains;
-    double data = frame * (double)f->frames + 8.0 * (double)rk_columns_count(scene) * (double)f->samples;
+    double data =
+        frame * (double)f->frames + 8.0 * (double)rk_columns_count(scene) * (double)f->samples;
     return ceil(1.04 * data) + 80 * 1024;
+}
+
+/* Of a finished run whose study keeps checkpoints: the spool, about as large as the file, and the
+ * state. */
+static double kept_size(const struct rk_study *study, const struct forecast *f) {
+    return study->keeps_checkpoints ? f->disk + 250.0 * (double)f->grains : 0;
 }
 
 static void look_at_point(struct outlook *o, size_t p) {
@@ -67,6 +78,7 @@ static void look_at_point(struct outlook *o, size_t p) {
         .steps = schedule.steps,
         .periods = rk_schedule_periods(&schedule),
         .samples = rk_schedule_samples(&schedule),
+        .samples_per_period = schedule.samples_per_period,
         .frames = rk_schedule_frames(&schedule),
         .preparation = scene->preparation_steps(point->params),
         .dt = schedule.dt,
@@ -75,13 +87,75 @@ static void look_at_point(struct outlook *o, size_t p) {
     f->cost = (double)f->grains * ((double)f->steps + (double)f->preparation);
     f->disk = file_size(scene, f);
     o->cost += f->cost * (double)o->study->replicas;
-    o->disk += f->disk * (double)o->study->replicas;
-    if (f->dt > 0.8 * f->stable_dt) {
-        warn(o,
-             "point %s: the time step is %.0f %% of the largest stable one; stay below 80 %%: a "
-             "smaller accuracy.step will do",
-             f->name, 100 * f->dt / f->stable_dt);
+    o->disk += (f->disk + kept_size(o->study, f)) * (double)o->study->replicas;
+}
+
+/* One line for all points that are alike in it, naming the worst. */
+static void look_at_steps(struct outlook *o) {
+    size_t count = 0, worst = 0, coarse = 0;
+    for (size_t p = 0; p < o->study->point_count; p++) {
+        const struct forecast *f = &o->points[p], *w = &o->points[worst];
+        count += f->dt > 0.8 * f->stable_dt;
+        coarse += f->samples_per_period < COARSE_SAMPLES;
+        worst = f->dt / f->stable_dt > w->dt / w->stable_dt ? p : worst;
     }
+    if (count > 0) {
+        warn(o,
+             "point %s%s: the time step is %.0f %% of the largest stable one; stay below 80 %%: a "
+             "smaller accuracy.step will do",
+             o->points[worst].name, count > 1 ? " and others" : "",
+             100 * o->points[worst].dt / o->points[worst].stable_dt);
+    }
+    if (coarse > 0) {
+        warn(o,
+             "fewer than %d samples a period (run.samples): means over whole periods are right, "
+             "but nothing is seen of the motion within one",
+             COARSE_SAMPLES);
+    }
+    if (o->study->point_count > MANY_POINTS) {
+        warn(o, "%zu points: each has its own table and picture in the analyses",
+             o->study->point_count);
+    }
+}
+
+/* A whole number among the parameters of an analysis, 0 where it has none of that name. */
+static uint64_t count_of(const struct rk_request *request, const char *name) {
+    struct rk_param_ref ref = rk_param_find(request->analysis->params, name);
+    uint64_t count = 0;
+    if (ref.row && ref.row->type == RK_PARAM_COUNT) {
+        const char *group = (const char *)request->params + ref.group->offset;
+        memcpy(&count, group + ref.row->offset, sizeof count);
+    }
+    return count;
+}
+
+/* The rate function of averages over L windows of length tau can be followed to (ln L)/tau and no
+ * further (stats/stats.h): few windows see little more than the mean. */
+static void look_at_windows(struct outlook *o, const struct rk_request *request) {
+    uint64_t window = count_of(request, "window"), from = count_of(request, "from");
+    double least = INFINITY;
+    for (size_t p = 0; p < o->study->point_count && window > 0; p++) {
+        uint64_t to = count_of(request, "to");
+        to = to > 0 ? to : o->points[p].periods;
+        double windows = to > from ? (double)((to - from) / window) : 0;
+        least = fmin(least, windows * (double)o->study->replicas);
+    }
+    if (least < FEW_WINDOWS) {
+        warn(o,
+             "%s: %.0f windows of %llu periods in all: rare averages will not be seen, the rate "
+             "function ends near %.2g a window; more replicas or periods, or shorter windows",
+             request->analysis->piece.name, least, (unsigned long long)window, log(fmax(least, 1)));
+    }
+}
+
+/* Memory of a replica beside its scene: a row, a frame, a packed state (at most as large as the
+ * scene's own arrays, of which those for neighbours are not packed), and what the file is written
+ * through: a chunk of frames and one of rows (store/h5md.c). */
+static double recording_size(const struct rk_case *scene, const struct forecast *f) {
+    const double chunk_of_frames = 2.5 * (1 << 19), rows_a_chunk = 4096;
+    double frame = 6.0 * 4.0 * (double)f->grains, state = 250.0 * (double)f->grains;
+    double columns = (double)rk_columns_count(scene);
+    return frame + state + fmax(chunk_of_frames, frame) + 8 * columns * (rows_a_chunk + 1);
 }
 
 static void look_at_cost(struct outlook *o, const struct check_options *options) {
@@ -107,7 +181,8 @@ static void look_at_cost(struct outlook *o, const struct check_options *options)
         fmax(o->core_seconds / o->threads, rounds * (o->core_seconds / (double)o->runs));
     size_t at_once = o->runs < (size_t)o->threads ? o->runs : (size_t)o->threads;
     o->disk += (double)at_once * longest; /* what a run keeps beside its file until that is done */
-    o->memory = (double)at_once * o->speed.bytes_per_grain * (double)o->points[largest].grains;
+    o->memory = (double)at_once * (o->speed.bytes_per_grain * (double)o->points[largest].grains +
+                                   recording_size(o->study->scene, &o->points[largest]));
 }
 
 static void look_at_replicas(struct outlook *o) {
@@ -150,6 +225,26 @@ static const char *bytes(double n, char text[32]) {
     return text;
 }
 
+/* What stands for the points that are not shown one by one. */
+static void print_rest(const struct outlook *o, size_t shown) {
+    const struct forecast *first = &o->points[0];
+    double least_cost = first->cost, most_cost = first->cost;
+    double least_dt = first->dt / first->stable_dt, most_dt = least_dt;
+    size_t costliest = 0;
+    for (size_t p = 1; p < o->study->point_count; p++) {
+        const struct forecast *f = &o->points[p];
+        costliest = f->cost > most_cost ? p : costliest;
+        least_cost = fmin(least_cost, f->cost);
+        most_cost = fmax(most_cost, f->cost);
+        least_dt = fmin(least_dt, f->dt / f->stable_dt);
+        most_dt = fmax(most_dt, f->dt / f->stable_dt);
+    }
+    printf("... and %zu more (--json has them all)\n", o->study->point_count - shown);
+    printf("\nall       %.3g to %.3g grain-steps a run (most: %s), dt %.1f to %.1f %% of the "
+           "largest stable\n",
+           least_cost, most_cost, o->points[costliest].name, 100 * least_dt, 100 * most_dt);
+}
+
 static void print(const struct outlook *o) {
     const struct rk_study *study = o->study;
     char a[32], b[32];
@@ -157,14 +252,23 @@ static void print(const struct outlook *o) {
            study->scene->piece.name, study->point_count, study->point_count == 1 ? "" : "s",
            (unsigned long long)study->replicas, study->replicas == 1 ? "" : "s", o->runs,
            o->runs == 1 ? "" : "s");
-    printf("%-20s %8s %8s %10s %10s %8s %7s %10s %7s %9s\n", "point", "grains", "periods", "steps",
-           "to settle", "samples", "frames", "dt", "of max", "a run");
-    for (size_t p = 0; p < study->point_count; p++) {
+    size_t shown = study->point_count <= POINTS_SHOWN ? study->point_count : POINTS_SHOWN / 2;
+    int width = 20;
+    for (size_t p = 0; p < shown; p++) {
+        int length = (int)strlen(study->points[p].name);
+        width = length > width ? length : width;
+    }
+    printf("%-*s %8s %8s %10s %10s %8s %7s %10s %7s %9s\n", width, "point", "grains", "periods",
+           "steps", "to settle", "samples", "frames", "dt", "of max", "a run");
+    for (size_t p = 0; p < shown; p++) {
         const struct forecast *f = &o->points[p];
-        printf("%-20s %8zu %8llu %10llu %10llu %8llu %7llu %10.4g %5.1f %% %9s\n", f->name,
+        printf("%-*s %8zu %8llu %10llu %10llu %8llu %7llu %10.4g %5.1f %% %9s\n", width, f->name,
                f->grains, (unsigned long long)f->periods, (unsigned long long)f->steps,
                (unsigned long long)f->preparation, (unsigned long long)f->samples,
                (unsigned long long)f->frames, f->dt, 100 * f->dt / f->stable_dt, bytes(f->disk, a));
+    }
+    if (study->point_count > shown) {
+        print_rest(o, shown);
     }
     printf("\ncost      %.3g grain-steps, settling included (at most)\n", o->cost);
     if (!isnan(o->speed.grain_steps)) {
@@ -173,6 +277,12 @@ static void print(const struct outlook *o) {
         printf("time      %s of one core, about %s on %d thread%s\n", duration(o->core_seconds, a),
                duration(o->wall_seconds, b), o->threads, o->threads == 1 ? "" : "s");
         printf("memory    %s\n", bytes(o->memory, a));
+    }
+    if (study->until.request) {
+        double most = (double)study->until.max_replicas / (double)study->replicas;
+        printf(
+            "until     the above is the pilot; at most %llu replicas a point, %.3g grain-steps\n",
+            (unsigned long long)study->until.max_replicas, o->cost * most);
     }
     printf("disk      %s at most\n", bytes(o->disk, a));
     for (size_t i = 0; i < o->warning_count; i++) {
@@ -242,7 +352,11 @@ static int check(const void *options, size_t count, char *const *operands) {
         for (size_t p = 0; p < study->point_count; p++) {
             look_at_point(&outlook, p);
         }
+        look_at_steps(&outlook);
         look_at_replicas(&outlook);
+        for (size_t i = 0; i < study->request_count; i++) {
+            look_at_windows(&outlook, &study->requests[i]);
+        }
         look_at_cost(&outlook, o);
         if (o->json) {
             print_json(&outlook);

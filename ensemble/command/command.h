@@ -64,6 +64,7 @@ extern const struct rk_command rk_command_check;
 extern const struct rk_command rk_command_describe;
 extern const struct rk_command rk_command_forces;
 extern const struct rk_command rk_command_ldf;
+extern const struct rk_command rk_command_new;
 extern const struct rk_command rk_command_pdf;
 extern const struct rk_command rk_command_relax;
 extern const struct rk_command rk_command_resonance;
@@ -96,10 +97,14 @@ void rk_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
 int rk_command_load_study(const char *path, struct rk_study **study);
 int rk_command_load_folder(const char *folder, struct rk_study **study);
 
-/* The plan of a folder's study; RK_ECONFLICT when the runs there are not that plan's, so that no
+/* Why rk_plan_file_match refused the folder's own study.yaml, in words for one who only looks. */
+enum rk_status rk_command_strange_folder(const struct rk_error *why, struct rk_error *err);
+
+/* The plan of a folder's study, with as many replicas as its precision target comes to (study is
+ * told); RK_ECONFLICT when the runs there are not that plan's, so that no
  * number is ever derived with parameters it was not made with; RK_EIO when there is no plan to
  * compare with. *plan is NULL on failure. */
-enum rk_status rk_command_plan_folder(const char *folder, const struct rk_study *study,
+enum rk_status rk_command_plan_folder(const char *folder, struct rk_study *study,
                                       struct rk_plan **plan, struct rk_error *err);
 
 /* Progress is for terminals. */

@@ -62,7 +62,7 @@ enum rk_status rk_data_spare(const char *operand, const char *plot, const char *
 
 /* Read a study's folder (`study` is what lies in it, `point` which of it), the file of a run,
  * "FILE.h5:/DATASET", or a table (`study` is NULL). Release data->samples with rk_samples_clear. */
-enum rk_status rk_data_read(struct rk_data *data, const char *operand, const struct rk_study *study,
+enum rk_status rk_data_read(struct rk_data *data, const char *operand, struct rk_study *study,
                             const char *point, const struct rk_data_options *o,
                             struct rk_error *err);
 

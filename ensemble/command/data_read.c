@@ -213,9 +213,9 @@ static enum rk_status gather(const char *folder, const struct rk_plan *plan, siz
     return status;
 }
 
-static enum rk_status read_folder(const char *folder, const struct rk_study *study,
-                                  const char *point, const struct rk_data_options *o,
-                                  struct rk_data *data, struct rk_error *err) {
+static enum rk_status read_folder(const char *folder, struct rk_study *study, const char *point,
+                                  const struct rk_data_options *o, struct rk_data *data,
+                                  struct rk_error *err) {
     struct rk_plan *plan = NULL;
     size_t p = 0;
     enum rk_status status = find_point(study, point, &p, err);
@@ -232,7 +232,7 @@ static enum rk_status read_folder(const char *folder, const struct rk_study *stu
     return status;
 }
 
-enum rk_status rk_data_read(struct rk_data *data, const char *operand, const struct rk_study *study,
+enum rk_status rk_data_read(struct rk_data *data, const char *operand, struct rk_study *study,
                             const char *point, const struct rk_data_options *o,
                             struct rk_error *err) {
     *data = (struct rk_data){

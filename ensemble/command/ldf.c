@@ -43,7 +43,7 @@ static enum rk_status answer(const struct rk_ldf_wish *o, struct rk_ldf_request 
 }
 
 /* The data, and those to compare them with: another point of the folder, or another file. */
-static enum rk_status read_inputs(const char *operand, const struct rk_study *study,
+static enum rk_status read_inputs(const char *operand, struct rk_study *study,
                                   const struct rk_ldf_wish *o, struct rk_data inputs[2],
                                   struct rk_error *err) {
     enum rk_status status = rk_data_read(&inputs[0], operand, study, o->data.point, &o->data, err);

@@ -1,9 +1,11 @@
 /* Studies as the subcommands take them. */
+#include "ensemble/analysis/target.h"
 #include "ensemble/command/command.h"
 #include "ensemble/store/plan_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 int rk_command_load_study(const char *path, struct rk_study **study) {
     struct rk_error err = RK_NO_ERROR;
@@ -28,21 +30,36 @@ int rk_command_load_folder(const char *folder, struct rk_study **study) {
     return code;
 }
 
-enum rk_status rk_command_plan_folder(const char *folder, const struct rk_study *study,
+enum rk_status rk_command_strange_folder(const struct rk_error *why, struct rk_error *err) {
+    if (why->status != RK_ECONFLICT) {
+        return rk_fail(err, RK_ECONFLICT,
+                       "plan.h5 is missing or damaged; 'reckon run' with the study and this folder "
+                       "writes it again");
+    }
+    /* What to choose with -o is advice for `reckon run`. */
+    const char *advice = strstr(why->message, "; choose another folder");
+    int length = advice ? (int)(advice - why->message) : (int)strlen(why->message);
+    return rk_fail(err, RK_ECONFLICT,
+                   "the runs in this folder are not those of its study.yaml, which was changed "
+                   "afterwards: %.*s",
+                   length, why->message);
+}
+
+enum rk_status rk_command_plan_folder(const char *folder, struct rk_study *study,
                                       struct rk_plan **plan, struct rk_error *err) {
-    enum rk_status status = rk_plan_create(study, plan, err);
+    bool changed;
+    *plan = NULL;
+    enum rk_status status = rk_target_settle(folder, study, &changed, err);
+    if (status == RK_OK) {
+        status = rk_plan_create(study, plan, err);
+    }
     if (status != RK_OK) {
         return status;
     }
-    status = rk_plan_file_match(folder, *plan, NULL);
+    struct rk_error why = RK_NO_ERROR;
+    status = rk_plan_file_match(folder, *plan, &why);
     if (status != RK_OK) {
-        bool lost = status == RK_EIO || status == RK_EFORMAT;
-        status = rk_fail(err, RK_ECONFLICT, "%s",
-                         lost ? "plan.h5 is missing or damaged; 'reckon run' with the study and "
-                                "this folder writes it again"
-                              : "the runs in this folder are not those of its study.yaml: the "
-                                "file was changed afterwards, or the folder was written by "
-                                "another version");
+        status = rk_command_strange_folder(&why, err);
         rk_error_locate(err, "%s", folder);
         rk_plan_free(*plan);
         *plan = NULL;

@@ -16,9 +16,9 @@
 #include <yaml.h>
 
 static const struct rk_command *const commands[] = {
-    &rk_command_describe, &rk_command_check,     &rk_command_run, &rk_command_status,
-    &rk_command_analyze,  &rk_command_ldf,       &rk_command_pdf, &rk_command_relax,
-    &rk_command_forces,   &rk_command_resonance,
+    &rk_command_new,    &rk_command_describe, &rk_command_check,     &rk_command_run,
+    &rk_command_status, &rk_command_analyze,  &rk_command_ldf,       &rk_command_pdf,
+    &rk_command_relax,  &rk_command_forces,   &rk_command_resonance,
 };
 enum { COMMANDS = sizeof commands / sizeof *commands };
 

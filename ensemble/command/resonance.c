@@ -127,7 +127,7 @@ static enum rk_status add_point(struct curve *curve, const char *folder, const s
     return status;
 }
 
-static enum rk_status read_folder(const char *folder, const struct rk_study *study,
+static enum rk_status read_folder(const char *folder, struct rk_study *study,
                                   const struct resonance_options *o, struct curve *curve,
                                   struct rk_error *err) {
     struct rk_plan *plan = NULL;

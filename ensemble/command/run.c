@@ -1,4 +1,5 @@
 /* reckon run: carry out what is missing of a study. */
+#include "ensemble/analysis/target.h"
 #include "ensemble/command/command.h"
 #include "ensemble/command/progress.h"
 #include "ensemble/runner.h"
@@ -182,7 +183,7 @@ static int run_plan(const char *folder, const struct rk_plan *plan, const struct
     }
     size_t surplus = led ? 0 : rk_store_surplus(folder, plan);
     if (surplus > 0) {
-        rk_warn("'%s' holds %zu finished run%s beyond the replicas that the study asks for now; "
+        rk_warn("'%s' holds %zu finished run%s beyond what the study asks for now; "
                 "kept, but not counted",
                 folder, surplus, surplus == 1 ? "" : "s");
     }
@@ -219,22 +220,39 @@ static int run_ranked(const char *folder, const struct rk_plan *plan, const stru
     return code;
 }
 
+/* Once, or twice for a study with a precision target: its pilot, and what that showed to be needed.
+ * Ranks meet only once in a program, so under mpirun the second part is another call's. */
+static int run_to_target(const char *folder, struct rk_study *study, const struct run_options *o) {
+    struct rk_error err = RK_NO_ERROR;
+    int code = RK_EXIT_DONE;
+    for (bool more = true; more;) {
+        struct rk_plan *plan = NULL;
+        bool known;
+        more = false;
+        if (rk_target_settle(folder, study, &known, &err) != RK_OK ||
+            rk_plan_create(study, &plan, &err) != RK_OK) {
+            return rk_complain(&err);
+        }
+        code = run_ranked(folder, plan, o);
+        rk_plan_free(plan);
+        bool fine = code == RK_EXIT_DONE || code == RK_EXIT_REPLICAS;
+        if (fine && !rk_ranks_wanted() && rk_target_settle(folder, study, &more, &err) != RK_OK) {
+            return rk_complain(&err);
+        }
+    }
+    return code;
+}
+
 static int run_main(const void *values, size_t count, char *const *operands) {
     (void)count;
     const struct run_options *o = values;
-    struct rk_error err = RK_NO_ERROR;
     struct rk_study *study = NULL;
-    struct rk_plan *plan = NULL;
     int code = rk_command_load_study(operands[0], &study);
     if (code != RK_EXIT_DONE) {
         return code;
     }
-    if (rk_plan_create(study, &plan, &err) != RK_OK) {
-        code = rk_complain(&err);
-    } else {
-        code = run_ranked(o->output ? o->output : study->name, plan, o);
-    }
-    rk_plan_free(plan);
+    const char *folder = o->output ? o->output : study->name;
+    code = run_to_target(folder, study, o);
     rk_study_free(study);
     return code;
 }

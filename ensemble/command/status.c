@@ -1,8 +1,10 @@
 /* reckon status: how far a study's folder is, from any terminal, touching nothing. */
 #include "ensemble/analysis/json.h"
+#include "ensemble/analysis/target.h"
 #include "ensemble/command/command.h"
 #include "ensemble/command/progress.h"
 #include "ensemble/store.h"
+#include "ensemble/store/plan_file.h"
 #include "ensemble/store/worker.h"
 
 #include <math.h>
@@ -184,6 +186,15 @@ static void print_json(const char *folder, const struct rk_plan *plan, const str
     rk_json_close(&json);
 }
 
+/* Runs of another plan are not counted: say why all is waiting. */
+static void warn_if_changed(const char *folder, const struct rk_plan *plan) {
+    struct rk_error why = RK_NO_ERROR, words = RK_NO_ERROR;
+    if (rk_plan_file_match(folder, plan, &why) != RK_OK) {
+        rk_command_strange_folder(&why, &words);
+        rk_warn("%s: %s", folder, words.message);
+    }
+}
+
 static int status_main(const void *values, size_t count, char *const *operands) {
     (void)count;
     const struct status_options *o = values;
@@ -194,10 +205,13 @@ static int status_main(const void *values, size_t count, char *const *operands) 
     if (code != RK_EXIT_DONE) {
         return code;
     }
-    if (rk_plan_create(study, &plan, &err) != RK_OK) {
+    bool changed;
+    if (rk_target_settle(operands[0], study, &changed, &err) != RK_OK ||
+        rk_plan_create(study, &plan, &err) != RK_OK) {
         code = rk_complain(&err);
     } else {
         struct tally tally = tally_of(operands[0], plan);
+        warn_if_changed(operands[0], plan);
         if (o->json) {
             print_json(operands[0], plan, &tally);
         } else {

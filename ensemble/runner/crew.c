@@ -55,7 +55,7 @@ static bool holds(void *context) {
 /* ---- One run ---- */
 
 static void note_error(struct rk_crew *crew, const struct rk_run *run, const struct rk_error *why) {
-    char line[768];
+    char line[1024];
     snprintf(line, sizeof line, "run %s could not be carried out: %s", run->id, why->message);
     rk_crew_message(crew, line);
     pthread_mutex_lock(&crew->mutex);
@@ -114,7 +114,7 @@ static enum rk_status carry_out(struct rk_berth *berth, size_t i, struct rk_erro
     }
     if (crew->states[i] != RK_RUN_WAITING) {
         rk_crew_spare(berth, run->cost);
-        return rk_run_clean(crew->folder, run, err);
+        return rk_run_tidy(crew->folder, crew->plan, run, crew->states[i] == RK_RUN_FAILED, err);
     }
     status = rk_run_execute(crew->folder, crew->plan, run, &hooks, &failed, err);
     if (status == RK_OK) {

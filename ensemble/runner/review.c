@@ -17,12 +17,24 @@ enum rk_status rk_crew_set_aside(struct rk_crew *crew, const struct rk_run *run,
         status = rk_fail_system(err, "rename", path.text);
     }
     if (status == RK_OK) {
-        char line[768];
+        char line[1024];
         snprintf(line, sizeof line, "run %s is done again, its file is kept as '%s.h5.damaged': %s",
                  run->id, run->id, why->message);
         rk_crew_message(crew, line);
     }
     return status;
+}
+
+/* A shorter run stays until the longer one is there; it goes on from its checkpoint if it has one.
+ */
+static enum rk_status refuse_longer(const struct rk_run *run, uint64_t there, uint64_t asked,
+                                    struct rk_error *err) {
+    return there < asked
+               ? RK_OK
+               : rk_fail(err, RK_ECONFLICT,
+                         "run %s is there with %llu steps and the study asks for %llu: what is "
+                         "there is not cut short; choose another folder with -o",
+                         run->id, (unsigned long long)there, (unsigned long long)asked);
 }
 
 enum rk_status rk_crew_look(struct rk_crew *crew, size_t i, struct rk_error *err) {
@@ -38,6 +50,9 @@ enum rk_status rk_crew_look(struct rk_crew *crew, size_t i, struct rk_error *err
     if (status == RK_OK && !rk_origin_is(&seal.origin, crew->plan, run)) {
         status = rk_fail(err, RK_EFORMAT, "it belongs to another study or run");
     }
+    if (status == RK_OK && seal.steps != crew->plan->points[run->point].steps) {
+        return refuse_longer(run, seal.steps, crew->plan->points[run->point].steps, err);
+    }
     if (status == RK_OK) {
         crew->states[i] = seal.state == RK_SEAL_FAILED ? RK_RUN_FAILED : RK_RUN_DONE;
     }
@@ -45,50 +60,76 @@ enum rk_status rk_crew_look(struct rk_crew *crew, size_t i, struct rk_error *err
 }
 
 /* What a finished run left over, when the program was killed between its end and the tidying. */
-static enum rk_status tidy(struct rk_crew *crew, const struct rk_run *run, struct rk_error *err) {
+static enum rk_status tidy(struct rk_crew *crew, size_t i, struct rk_error *err) {
+    const struct rk_run *run = &crew->plan->runs[i];
     bool mine;
     enum rk_status status = rk_claim_take(crew->worker, run, &mine, NULL, err);
     if (status == RK_OK && mine) {
-        status = rk_run_clean(crew->folder, run, err);
+        bool failed = crew->states[i] == RK_RUN_FAILED;
+        status = rk_run_tidy(crew->folder, crew->plan, run, failed, err);
         rk_claim_release(crew->worker, run, true);
     }
     return status;
 }
 
-static bool left_over(const struct rk_crew *crew, const struct rk_run *run) {
-    static const char *const endings[] = {".claim",    ".spool",    ".ckpt",
-                                          ".ckpt.old", ".ckpt.new", ".h5.tmp"};
+static bool has_file(const struct rk_crew *crew, const struct rk_run *run, const char *ending) {
     struct rk_path path;
+    return rk_path_of_run(&path, crew->folder, run->id, ending, NULL) == RK_OK &&
+           rk_name_exists(path.text);
+}
+
+static bool left_over(const struct rk_crew *crew, size_t i) {
+    static const char *const endings[] = {".claim",  ".ckpt.old", ".ckpt.new",
+                                          ".h5.tmp", ".spool",    ".ckpt"};
+    enum { ENDINGS = sizeof endings / sizeof *endings, KEPT = 2 };
+    bool keeps = crew->plan->study->keeps_checkpoints && crew->states[i] == RK_RUN_DONE;
     bool found = false;
-    for (size_t k = 0; !found && k < sizeof endings / sizeof *endings; k++) {
-        found = rk_path_of_run(&path, crew->folder, run->id, endings[k], NULL) == RK_OK &&
-                rk_name_exists(path.text);
+    for (size_t k = 0; !found && k < (keeps ? ENDINGS - KEPT : ENDINGS); k++) {
+        found = has_file(crew, &crew->plan->runs[i], endings[k]);
     }
     return found;
 }
 
 /* A damaged file is left to whoever claims the run. */
-static enum rk_status review(struct rk_crew *crew, size_t i, struct rk_error *err) {
+static enum rk_status review(struct rk_crew *crew, size_t i, atomic_size_t *anew,
+                             struct rk_error *err) {
     const struct rk_run *run = &crew->plan->runs[i];
     enum rk_status status = rk_crew_look(crew, i, err);
     if (status == RK_EFORMAT) {
         return RK_OK;
     }
     bool finished = crew->states[i] == RK_RUN_DONE || crew->states[i] == RK_RUN_FAILED;
-    return status == RK_OK && finished && left_over(crew, run) ? tidy(crew, run, err) : status;
+    if (status == RK_OK && !finished && has_file(crew, run, ".h5") &&
+        !has_file(crew, run, ".ckpt")) {
+        atomic_fetch_add(anew, 1); /* shorter than asked for, and nothing to go on from */
+    }
+    return status == RK_OK && finished && left_over(crew, i) ? tidy(crew, i, err) : status;
+}
+
+static void tell_anew(struct rk_crew *crew, size_t count) {
+    char line[256];
+    if (count > 0) {
+        snprintf(line, sizeof line,
+                 "%zu finished run%s shorter than asked for and kept no checkpoint to go on from "
+                 "('keep: checkpoint' in a study does): made anew from the start",
+                 count, count == 1 ? " is" : "s are");
+        rk_crew_message(crew, line);
+    }
 }
 
 enum rk_status rk_crew_review(struct rk_crew *crew, struct rk_error *err) {
     struct rk_error first = RK_NO_ERROR;
+    atomic_size_t anew = 0;
 #pragma omp parallel for schedule(dynamic, 16) num_threads(crew->threads)
     for (size_t k = 0; k < crew->share_count; k++) {
         struct rk_error why = RK_NO_ERROR;
-        if (!rk_crew_stop(crew) && review(crew, crew->share[k], &why) != RK_OK) {
+        if (!rk_crew_stop(crew) && review(crew, crew->share[k], &anew, &why) != RK_OK) {
 #pragma omp critical(rk_review)
             if (first.status == RK_OK) {
                 first = why;
             }
         }
     }
+    tell_anew(crew, atomic_load(&anew));
     return first.status == RK_OK ? RK_OK : rk_fail_as(err, &first);
 }

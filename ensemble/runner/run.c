@@ -48,7 +48,7 @@ static bool stop_asked(const struct rk_run_hooks *hooks) {
 
 static void say(const struct work *w, const char *what, const struct rk_error *why) {
     if (w->hooks->message) {
-        char line[768];
+        char line[1024];
         snprintf(line, sizeof line, "run %s: %s (%s)", w->run->id, what, why->message);
         w->hooks->message(w->hooks->context, line);
     }
@@ -119,11 +119,13 @@ static enum rk_status record_frame(struct work *w, struct rk_error *err) {
     return rk_spool_frame(w->spool, rk_scene_steps(w->scene), w->frame, err);
 }
 
+/* The last step has a frame too (last_frame), which a longer run would not have. */
 static bool is_frame(const struct rk_schedule *s, uint64_t step) {
-    return step == 0 || step == s->steps || (s->frame_every > 0 && step % s->frame_every == 0);
+    return step == 0 || (s->frame_every > 0 && step % s->frame_every == 0);
 }
 
-/* Record what this step calls for; called once for every step that calls for anything. */
+/* Record what this step calls for, however long the run is; called once for every step that calls
+ * for anything. */
 static enum rk_status record(struct work *w, struct rk_error *err) {
     uint64_t step = rk_scene_steps(w->scene);
     const struct rk_schedule *s = &w->schedule;
@@ -186,6 +188,9 @@ static enum rk_status resume_from(struct work *w, int generation, bool *found,
         status = rk_scene_unpack(w->scene, c.state, c.size, err);
     }
     free(c.state);
+    if (status == RK_OK && c.step > w->schedule.steps) {
+        status = rk_fail(err, RK_EFORMAT, "the checkpoint is of a longer run");
+    }
     if (status == RK_OK && rk_scene_steps(w->scene) != c.step) {
         status = rk_fail(err, RK_EFORMAT, "the checkpoint's state is not of its step");
     }
@@ -307,6 +312,17 @@ static enum rk_status carry_on(struct work *w, struct rk_error *err) {
 
 /* ---- Ending ---- */
 
+/* A run that may be made longer keeps its state, and its spool up to here: what follows is said of
+ * this length only. */
+static enum rk_status record_end(struct work *w, struct rk_error *err) {
+    uint64_t step = rk_scene_steps(w->scene);
+    enum rk_status status = RK_OK;
+    if (w->plan->study->keeps_checkpoints) {
+        status = checkpoint(w, err);
+    }
+    return status == RK_OK && !is_frame(&w->schedule, step) ? record_frame(w, err) : status;
+}
+
 static enum rk_status publish(struct work *w, const struct rk_error *failure,
                               struct rk_error *err) {
     struct rk_record outcome = {.plan = w->plan,
@@ -337,6 +353,9 @@ static enum rk_status finish(struct work *w, bool *failed, struct rk_error *err)
     if (status == RK_OK) {
         w->last_checkpoint = rk_clock();
         status = carry_on(w, &trouble);
+    }
+    if (status == RK_OK) {
+        status = record_end(w, &trouble);
     }
     *failed = status == RK_EUNSTABLE;
     if (status != RK_OK && !*failed) {
@@ -374,6 +393,23 @@ enum rk_status rk_run_clean(const char *folder, const struct rk_run *run, struct
     return status == RK_OK ? rk_file_remove(paths.partial.text, err) : status;
 }
 
+enum rk_status rk_run_tidy(const char *folder, const struct rk_plan *plan, const struct rk_run *run,
+                           bool failed, struct rk_error *err) {
+    if (failed || !plan->study->keeps_checkpoints) {
+        return rk_run_clean(folder, run, err);
+    }
+    struct paths paths;
+    struct rk_path old;
+    enum rk_status status = set_paths(&paths, folder, run, err);
+    if (status == RK_OK) {
+        status = rk_path_set(&old, err, "%s.old", paths.checkpoint.text);
+    }
+    if (status == RK_OK) {
+        status = rk_file_remove(old.text, err);
+    }
+    return status == RK_OK ? rk_file_remove(paths.partial.text, err) : status;
+}
+
 enum rk_status rk_run_execute(const char *folder, const struct rk_plan *plan,
                               const struct rk_run *run, const struct rk_run_hooks *hooks,
                               bool *failed, struct rk_error *err) {
@@ -402,5 +438,5 @@ enum rk_status rk_run_execute(const char *folder, const struct rk_plan *plan,
         }
         free_work(&w);
     }
-    return status == RK_OK ? rk_run_clean(folder, run, err) : rk_fail_as(err, &why);
+    return status == RK_OK ? rk_run_tidy(folder, plan, run, *failed, err) : rk_fail_as(err, &why);
 }

@@ -32,6 +32,11 @@ enum rk_status rk_run_execute(const char *folder, const struct rk_plan *plan,
                               const struct rk_run *run, const struct rk_run_hooks *hooks,
                               bool *failed, struct rk_error *err);
 
+/* Remove what a finished run does not need any more: all that it keeps while it runs, unless the
+ * study keeps the checkpoints (and with them the spools) of runs that are done. */
+enum rk_status rk_run_tidy(const char *folder, const struct rk_plan *plan,
+                           const struct rk_run *run, bool failed, struct rk_error *err);
+
 /* Remove what a run keeps while it runs: checkpoints, spool, an unfinished file. */
 enum rk_status rk_run_clean(const char *folder, const struct rk_run *run, struct rk_error *err);
 

@@ -13,7 +13,7 @@ struct rk_origin rk_origin_of(const struct rk_plan *plan, const struct rk_run *r
     struct rk_origin origin;
     /* Zeroed to the last byte: the structure is written to files as it is. */
     memset(&origin, 0, sizeof origin);
-    memcpy(origin.identity, plan->identity, sizeof origin.identity);
+    memcpy(origin.identity, plan->points[run->point].identity, sizeof origin.identity);
     memcpy(origin.run, run->id, strnlen(run->id, sizeof origin.run - 1));
     return origin;
 }

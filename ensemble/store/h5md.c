@@ -73,7 +73,7 @@ static void write_provenance(struct writer *w) {
     const struct rk_point *point = &o->plan->study->points[o->run->point];
     struct rk_h5 *h5 = &w->h5;
     hid_t group = rk_h5_group(h5, h5->file, "provenance");
-    rk_provenance_study(h5, group, o->plan);
+    rk_provenance_run(h5, group, o->plan, o->run);
     rk_h5_note(h5, group, "run", o->run->id);
     rk_h5_note(h5, group, "point", point->name);
     rk_h5_note_value(h5, group, "point_key", RK_H5_COUNT, 0, &point->key);
@@ -377,7 +377,8 @@ enum rk_status rk_h5md_write(const char *path, const struct rk_record *outcome,
         return status;
     }
     struct rk_seal seal = {.origin = rk_origin_of(outcome->plan, outcome->run),
-                           .state = outcome->failed ? RK_SEAL_FAILED : RK_SEAL_DONE};
+                           .state = outcome->failed ? RK_SEAL_FAILED : RK_SEAL_DONE,
+                           .steps = outcome->schedule.steps};
     if (outcome->failed) {
         memcpy(seal.reason, outcome->reason, strnlen(outcome->reason, sizeof seal.reason - 1));
     }

@@ -373,6 +373,25 @@ void rk_h5_read_list(struct rk_h5 *h5, const char *name, double **values, size_t
     H5Dclose(dataset);
 }
 
+void rk_h5_read_text(struct rk_h5 *h5, const char *name, char **text) {
+    *text = NULL;
+    if (h5->status != RK_OK) {
+        return;
+    }
+    hid_t dataset = H5Dopen2(h5->file, name, H5P_DEFAULT);
+    hid_t type = H5Dget_type(dataset);
+    size_t size = type >= 0 && H5Tget_class(type) == H5T_STRING ? H5Tget_size(type) : 0;
+    if (size == 0) {
+        rk_h5_fail(h5, "read", name);
+    } else if (!(*text = calloc(size + 1, 1))) {
+        h5->status = rk_fail(h5->err, RK_EMEMORY, "not enough memory to read '%s'", h5->path);
+    } else if (H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, *text) < 0) {
+        rk_h5_fail(h5, "read", name);
+    }
+    H5Tclose(type);
+    H5Dclose(dataset);
+}
+
 double rk_h5_read_scalar(struct rk_h5 *h5, const char *name) {
     double value = 0;
     if (h5->status != RK_OK) {

@@ -98,6 +98,8 @@ hid_t rk_h5_properties(hid_t class_id);
 
 /* Read a one-dimensional dataset of numbers as doubles: *values is the caller's (free). */
 void rk_h5_read_list(struct rk_h5 *h5, const char *name, double **values, size_t *count);
+/* Read a text as rk_h5_text wrote it: *text is the caller's (free). */
+void rk_h5_read_text(struct rk_h5 *h5, const char *name, char **text);
 /* Read a scalar number. */
 double rk_h5_read_scalar(struct rk_h5 *h5, const char *name);
 bool rk_h5_has(struct rk_h5 *h5, const char *name);

@@ -9,7 +9,7 @@
 #include <stdbool.h>
 
 struct rk_origin {
-    char identity[RK_IDENTITY]; /* of the plan */
+    char identity[RK_IDENTITY]; /* of the run's point; of the plan in a file of the whole study */
     char run[RK_RUN_ID];
 };
 

@@ -5,19 +5,28 @@
 #include <stdio.h>
 #include <string.h>
 
-void rk_provenance_study(struct rk_h5 *h5, hid_t object, const struct rk_plan *plan) {
-    const struct rk_study *study = plan->study;
+static void write_common(struct rk_h5 *h5, hid_t object, const struct rk_study *study,
+                         const char *identity) {
     unsigned major = 0, minor = 0, release = 0;
     char version[64];
     H5get_libversion(&major, &minor, &release);
     snprintf(version, sizeof version, "%u.%u.%u", major, minor, release);
-    rk_h5_note(h5, object, "study", study->name);
     rk_h5_note(h5, object, "case", study->scene->piece.name);
-    rk_h5_note(h5, object, "identity", plan->identity);
+    rk_h5_note(h5, object, "identity", identity);
     rk_h5_note_value(h5, object, "seed", RK_H5_COUNT, 0, &study->seed);
     rk_h5_note(h5, object, "code_version", RK_CODE);
     rk_h5_note(h5, object, "hdf5_version", version);
     rk_h5_note(h5, object, "gsl_version", gsl_version);
+}
+
+void rk_provenance_study(struct rk_h5 *h5, hid_t object, const struct rk_plan *plan) {
+    rk_h5_note(h5, object, "study", plan->study->name);
+    write_common(h5, object, plan->study, plan->identity);
+}
+
+void rk_provenance_run(struct rk_h5 *h5, hid_t object, const struct rk_plan *plan,
+                       const struct rk_run *run) {
+    write_common(h5, object, plan->study, plan->points[run->point].identity);
 }
 
 static void write_parameter(struct rk_h5 *h5, hid_t parent, struct rk_param_ref ref,

@@ -8,6 +8,10 @@
 /* The study, its identity and seed, and the versions of code and libraries, as attributes. */
 void rk_provenance_study(struct rk_h5 *h5, hid_t object, const struct rk_plan *plan);
 
+/* The same of one run, which does not depend on what else is in the study, nor on its name. */
+void rk_provenance_run(struct rk_h5 *h5, hid_t object, const struct rk_plan *plan,
+                       const struct rk_run *run);
+
 /* The resolved parameters of a point, as groups and scalar datasets with units below `parent`. */
 void rk_provenance_parameters(struct rk_h5 *h5, hid_t parent, const struct rk_study *study,
                               const struct rk_point *point);

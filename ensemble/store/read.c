@@ -93,6 +93,11 @@ enum rk_status rk_store_read(const char *folder, const struct rk_plan *plan,
         status = rk_fail(err, RK_EFORMAT, "'%.200s' is the file of run %s of study %s", path.text,
                          seal.origin.run, seal.origin.identity);
     }
+    if (status == RK_OK && seal.steps != plan->points[run->point].steps) {
+        status = rk_fail(err, RK_EFORMAT, "'%.200s' is of %llu steps, the study asks for %llu",
+                         path.text, (unsigned long long)seal.steps,
+                         (unsigned long long)plan->points[run->point].steps);
+    }
     if (status != RK_OK) {
         return status;
     }

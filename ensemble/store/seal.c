@@ -17,10 +17,11 @@ struct block {
     struct rk_origin origin;
     char filler[3]; /* so that nothing below is padded */
     uint32_t state;
+    uint64_t steps;
     char reason[512];
     uint64_t length; /* of the whole file */
     uint64_t sum;    /* of what follows the block */
-    char spare[RK_SEAL_SIZE - 664];
+    char spare[RK_SEAL_SIZE - 704];
     uint64_t self; /* sum of this block up to here */
 };
 _Static_assert(sizeof(struct block) == RK_SEAL_SIZE, "the seal fills its block");
@@ -71,6 +72,7 @@ enum rk_status rk_seal_write(const char *path, const struct rk_seal *seal, struc
     block.magic = magic;
     block.origin = seal->origin;
     block.state = (uint32_t)seal->state;
+    block.steps = seal->steps;
     memcpy(block.reason, seal->reason, strnlen(seal->reason, sizeof block.reason - 1));
     enum rk_status status = sum_of_rest(file, path, &block.sum, &block.length, err);
     block.self = XXH64(&block, offsetof(struct block, self), 0);
@@ -136,7 +138,8 @@ static enum rk_status read_seal(const char *path, bool whole, struct rk_seal *se
     }
     close(file);
     if (status == RK_OK) {
-        *seal = (struct rk_seal){.origin = block.origin, .state = (enum rk_seal_state)block.state};
+        *seal = (struct rk_seal){
+            .origin = block.origin, .state = (enum rk_seal_state)block.state, .steps = block.steps};
         memcpy(seal->reason, block.reason, sizeof seal->reason);
     }
     return status;

@@ -20,6 +20,7 @@ enum rk_seal_state { RK_SEAL_DONE = 1, RK_SEAL_FAILED = 2 };
 struct rk_seal {
     struct rk_origin origin; /* of a file that is not a run's: its kind in place of the run */
     enum rk_seal_state state;
+    uint64_t steps;   /* that the run was asked for */
     char reason[512]; /* of a failed run */
 };
 

@@ -151,6 +151,23 @@ static enum rk_status fill_folder(const char *folder, const struct rk_plan *plan
     return status == RK_OK ? write_study(folder, plan->study, err) : status;
 }
 
+/* A folder does not grow under the hands of a program that works on the smaller plan: the two would
+ * disagree on how long a run is. More replicas are another matter, and the same plan. */
+static enum rk_status refuse_growth(const struct rk_store *store, const struct rk_plan *plan,
+                                    struct rk_error *err) {
+    char who[96];
+    struct rk_path path;
+    enum rk_status status = rk_path_set(&path, err, "%s/plan.h5", store->folder.text);
+    if (status != RK_OK || !rk_file_exists(path.text) ||
+        rk_plan_file_is(store->folder.text, plan) || !rk_store_shared(store, who)) {
+        return status;
+    }
+    return rk_fail(err, RK_ECONFLICT,
+                   "%s is at work in '%.200s' on other points or shorter runs; wait until it has "
+                   "ended, or stop it (it keeps what is done)",
+                   who, store->folder.text);
+}
+
 enum rk_status rk_store_open(const char *folder, const struct rk_plan *plan, struct rk_store **out,
                              struct rk_error *err) {
     struct rk_store *store = calloc(1, sizeof *store);
@@ -172,6 +189,9 @@ enum rk_status rk_store_open(const char *folder, const struct rk_plan *plan, str
     }
     if (status == RK_OK) {
         rk_worker_sweep(store->worker);
+        status = refuse_growth(store, plan, err);
+    }
+    if (status == RK_OK) {
         status = fill_folder(folder, plan, err);
     }
     if (status != RK_OK) {
@@ -201,7 +221,8 @@ enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_plan *
     if (rk_path_of_run(&path, folder, run->id, ".h5", NULL) != RK_OK) {
         return RK_RUN_WAITING;
     }
-    if (rk_seal_read(path.text, &seal, NULL) == RK_OK && rk_origin_is(&seal.origin, plan, run)) {
+    if (rk_seal_read(path.text, &seal, NULL) == RK_OK && rk_origin_is(&seal.origin, plan, run) &&
+        seal.steps == plan->points[run->point].steps) {
         if (reason) {
             memcpy(reason, seal.reason, sizeof seal.reason);
         }

@@ -7,9 +7,11 @@
 
 struct rk_seal rk_study_file_seal(const struct rk_study_file *file, const struct rk_plan *plan,
                                   const char *note) {
-    struct rk_run none = {.point = 0};
-    snprintf(none.id, sizeof none.id, "%s", file->kind);
-    struct rk_seal seal = {.origin = rk_origin_of(plan, &none), .state = RK_SEAL_DONE};
+    struct rk_seal seal;
+    memset(&seal, 0, sizeof seal);
+    seal.state = RK_SEAL_DONE;
+    memcpy(seal.origin.identity, plan->identity, sizeof seal.origin.identity);
+    snprintf(seal.origin.run, sizeof seal.origin.run, "%s", file->kind);
     memcpy(seal.reason, note, strnlen(note, sizeof seal.reason - 1));
     return seal;
 }

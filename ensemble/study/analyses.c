@@ -8,10 +8,11 @@
 
 /* One entry is "- ldf", "- ldf:" or "- ldf: {window: 5}": its name and the map of its parameters
  * (NULL for none). */
-static enum rk_status entry(const struct rk_yaml *tree, const struct rk_yaml_node *node,
-                            const char **name, struct rk_yaml_place *place,
-                            const struct rk_yaml_node **map, struct rk_error *err) {
-    *map = NULL;
+static enum rk_status entry(struct rk_spot spot, const char **name, struct rk_yaml_place *place,
+                            struct rk_spot *map, struct rk_error *err) {
+    const struct rk_yaml *tree = spot.tree;
+    const struct rk_yaml_node *node = spot.node;
+    *map = (struct rk_spot){tree, NULL};
     if (node->kind == RK_YAML_TEXT) {
         *name = node->text;
         *place = node->place;
@@ -26,7 +27,7 @@ static enum rk_status entry(const struct rk_yaml *tree, const struct rk_yaml_nod
     *name = member->key;
     *place = member->key_place;
     if (member->kind == RK_YAML_MAP) {
-        *map = member;
+        map->node = member;
     } else if (member->kind != RK_YAML_TEXT || member->text[0] != '\0') {
         return rk_yaml_wrong(tree, member->place, err,
                              "%.64s: a map of parameters is expected here", member->key);
@@ -45,20 +46,19 @@ static enum rk_status check_request(const struct rk_study *study, const struct r
     return status;
 }
 
-static enum rk_status read_request(const struct rk_yaml *tree, const struct rk_yaml_node *node,
-                                   const struct rk_study *study, struct rk_request *request,
-                                   struct rk_error *err) {
+static enum rk_status read_request(struct rk_spot spot, const struct rk_study *study,
+                                   struct rk_request *request, struct rk_error *err) {
     const char *name = NULL;
-    struct rk_yaml_place place = node->place;
-    const struct rk_yaml_node *map = NULL;
-    enum rk_status status = entry(tree, node, &name, &place, &map, err);
+    struct rk_yaml_place place = spot.node->place;
+    struct rk_spot map;
+    enum rk_status status = entry(spot, &name, &place, &map, err);
     if (status != RK_OK) {
         return status;
     }
     const struct rk_piece *piece = rk_registry_find(&rk_analysis_registry, name);
     if (!piece) {
         const char *nearest = rk_registry_nearest(&rk_analysis_registry, name);
-        return rk_yaml_wrong(tree, place, err, "there is no analysis '%.64s'%s", name,
+        return rk_yaml_wrong(spot.tree, place, err, "there is no analysis '%.64s'%s", name,
                              rk_hint_of(nearest, "; 'reckon describe' lists them").text);
     }
     request->analysis = (const struct rk_analysis *)piece;
@@ -68,41 +68,40 @@ static enum rk_status read_request(const struct rk_yaml *tree, const struct rk_y
         return rk_fail(err, RK_EMEMORY, "out of memory");
     }
     rk_param_defaults(table, request->params);
-    if (map) {
-        status = rk_study_set_params(tree, map, NULL, table, request->params, err);
+    if (map.node) {
+        status = rk_study_set_params(map, NULL, table, request->params, err);
     }
     if (status == RK_OK) {
         status = check_request(study, request, err);
         if (status != RK_OK && err) {
-            const struct rk_yaml_node *at = rk_study_find_param(tree, map, err->subject);
-            rk_yaml_locate(tree, at ? at->place : place, err);
+            struct rk_spot at = rk_study_find_param(map, err->subject);
+            rk_yaml_locate(spot.tree, at.node ? at.node->place : place, err);
         }
     }
     return status;
 }
 
-enum rk_status rk_study_read_analyses(const struct rk_yaml *tree, struct rk_study *study,
+enum rk_status rk_study_read_analyses(const struct rk_sources *sources, struct rk_study *study,
                                       struct rk_error *err) {
     enum { ANALYSES_MAX = 100 };
-    const struct rk_yaml_node *list = rk_yaml_member(tree, rk_yaml_root(tree), "analyses");
-    if (!list || (list->kind == RK_YAML_TEXT && list->text[0] == '\0')) {
+    struct rk_spot list = rk_sources_find(sources, "analyses");
+    if (rk_study_is_empty(list)) {
         return RK_OK;
     }
-    if (list->kind != RK_YAML_LIST || list->count > ANALYSES_MAX) {
-        return rk_yaml_wrong(tree, list->place, err,
-                             "analyses: a list of at most %d analyses is expected here",
+    if (list.node->kind != RK_YAML_LIST || list.node->count > ANALYSES_MAX) {
+        return rk_spot_wrong(list, err, "analyses: a list of at most %d analyses is expected here",
                              ANALYSES_MAX);
     }
-    study->requests = calloc(list->count + 1, sizeof *study->requests);
+    study->requests = calloc(list.node->count + 1, sizeof *study->requests);
     if (!study->requests) {
         return rk_fail(err, RK_EMEMORY, "out of memory");
     }
-    study->request_count = list->count;
+    study->request_count = list.node->count;
     enum rk_status status = RK_OK;
-    const struct rk_yaml_node *node = rk_yaml_first(tree, list);
-    for (size_t i = 0; i < list->count && status == RK_OK; i++) {
-        status = read_request(tree, node, study, &study->requests[i], err);
-        node = rk_yaml_next(tree, node);
+    struct rk_spot spot = {list.tree, rk_yaml_first(list.tree, list.node)};
+    for (size_t i = 0; i < study->request_count && status == RK_OK; i++) {
+        status = read_request(spot, study, &study->requests[i], err);
+        spot.node = rk_yaml_next(spot.tree, spot.node);
     }
     return status;
 }

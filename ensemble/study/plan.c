@@ -1,43 +1,64 @@
+#include "ensemble/study/canonical.h"
 #include "ensemble/study/private.h"
 
 #include <stdlib.h>
 #include <xxhash.h>
 
-/* The text that decides the bytes of the runs. */
-static enum rk_status identify(const struct rk_study *study, char identity[RK_IDENTITY],
-                               struct rk_error *err) {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (!out) {
-        return rk_fail(err, RK_EMEMORY, "out of memory");
-    }
-    fprintf(out, "case = %s\nseed = %llu\n", study->scene->piece.name,
-            (unsigned long long)study->seed);
-    for (size_t i = 0; i < study->point_count; i++) {
-        fprintf(out, "point = %s\n", study->points[i].name);
-        rk_study_write_canonical(study->scene->params, study->points[i].params, true, out);
-    }
-    bool good = fclose(out) == 0;
-    if (good) {
-        XXH128_hash_t hash = XXH3_128bits(text, size);
-        snprintf(identity, RK_IDENTITY, "%016llx%016llx", (unsigned long long)hash.high64,
-                 (unsigned long long)hash.low64);
-    }
-    free(text);
-    return good ? RK_OK : rk_fail(err, RK_EMEMORY, "out of memory");
+static void write_hash(XXH128_hash_t hash, char identity[RK_IDENTITY]) {
+    snprintf(identity, RK_IDENTITY, "%016llx%016llx", (unsigned long long)hash.high64,
+             (unsigned long long)hash.low64);
 }
 
-static void list_runs(const struct rk_study *study, struct rk_run *runs) {
-    size_t n = 0;
+/* A longer run begins with the bytes of a shorter one: its length is not what it is. */
+static bool in_identity(struct rk_param_ref ref) {
+    return !ref.row->extends;
+}
+
+/* The digests of what decides the bytes of the runs. */
+static enum rk_status identify(struct rk_plan *plan, struct rk_error *err) {
+    const struct rk_study *study = plan->study;
+    struct rk_canonical *canonical = rk_canonical_create(study->scene->params);
+    XXH3_state_t *all = XXH3_createState();
+    if (!canonical || !all) {
+        rk_canonical_free(canonical);
+        XXH3_freeState(all);
+        return rk_fail(err, RK_EMEMORY, "out of memory");
+    }
+    XXH3_128bits_reset(all);
     for (size_t p = 0; p < study->point_count; p++) {
         const struct rk_point *point = &study->points[p];
-        struct rk_schedule schedule = study->scene->schedule(point->params);
+        size_t size;
+        const char *text = rk_canonical_text(
+            canonical, point->params, in_identity, &size, "case = %s\nseed = %llu\npoint = %s\n",
+            study->scene->piece.name, (unsigned long long)study->seed, point->name);
+        write_hash(XXH3_128bits(text, size), plan->points[p].identity);
+        plan->points[p].steps = study->scene->schedule(point->params).steps;
+        XXH3_128bits_update(all, plan->points[p].identity, RK_IDENTITY);
+        XXH3_128bits_update(all, &plan->points[p].steps, sizeof plan->points[p].steps);
+    }
+    write_hash(XXH3_128bits_digest(all), plan->identity);
+    XXH3_freeState(all);
+    rk_canonical_free(canonical);
+    return RK_OK;
+}
+
+static size_t replicas_of(const struct rk_study *study, size_t p) {
+    uint64_t own = study->points[p].replicas;
+    return (size_t)(own > 0 ? own : study->replicas);
+}
+
+static void list_runs(struct rk_plan *plan) {
+    const struct rk_case *scene = plan->study->scene;
+    size_t n = 0;
+    for (size_t p = 0; p < plan->study->point_count; p++) {
+        const struct rk_point *point = &plan->study->points[p];
         double steps =
-            (double)schedule.steps + (double)study->scene->preparation_steps(point->params);
-        double cost = steps * (double)study->scene->grains(point->params);
-        for (uint64_t r = 0; r < study->replicas; r++, n++) {
-            struct rk_run *run = &runs[n];
+            (double)plan->points[p].steps + (double)scene->preparation_steps(point->params);
+        double cost = steps * (double)scene->grains(point->params);
+        plan->points[p].first = n;
+        plan->points[p].count = replicas_of(plan->study, p);
+        for (uint64_t r = 0; r < plan->points[p].count; r++, n++) {
+            struct rk_run *run = &plan->runs[n];
             snprintf(run->id, sizeof run->id, "%.*s-%04u", RK_NAME - 1, point->name, (unsigned)r);
             run->point = p;
             run->replica = r;
@@ -54,25 +75,27 @@ enum rk_status rk_plan_create(const struct rk_study *study, struct rk_plan **pla
         return rk_fail(err, RK_EMEMORY, "out of memory");
     }
     made->study = study;
-    made->count = study->point_count * (size_t)study->replicas;
-    made->runs = calloc(made->count, sizeof *made->runs);
-    if (!made->runs) {
-        rk_fail(err, RK_EMEMORY, "out of memory for a plan of %zu runs", made->count);
-        rk_plan_free(made);
-        return RK_EMEMORY;
+    for (size_t p = 0; p < study->point_count; p++) {
+        made->count += replicas_of(study, p);
     }
-    enum rk_status status = identify(study, made->identity, err);
+    made->runs = calloc(made->count, sizeof *made->runs);
+    made->points = calloc(study->point_count, sizeof *made->points);
+    enum rk_status status =
+        made->runs && made->points
+            ? identify(made, err)
+            : rk_fail(err, RK_EMEMORY, "out of memory for a plan of %zu runs", made->count);
     if (status != RK_OK) {
         rk_plan_free(made);
         return status;
     }
-    list_runs(study, made->runs);
+    list_runs(made);
     *plan = made;
     return RK_OK;
 }
 
 void rk_plan_free(struct rk_plan *plan) {
     if (plan) {
+        free(plan->points);
         free(plan->runs);
         free(plan);
     }

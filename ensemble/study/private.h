@@ -4,34 +4,50 @@
 
 #include "ensemble/analysis.h"
 #include "ensemble/study.h"
-#include "ensemble/study/yaml.h"
+#include "ensemble/study/sources.h"
 
 #include <stdio.h>
 
 /* Letters, digits, '-', '_' and '.', beginning with a letter or digit: a safe file name. */
-enum rk_status rk_study_copy_name(const struct rk_yaml *tree, const struct rk_yaml_node *node,
-                                  const char *what, char name[RK_NAME], struct rk_error *err);
+enum rk_status rk_study_copy_name(struct rk_spot spot, const char *what, char name[RK_NAME],
+                                  struct rk_error *err);
 
-/* Set the parameters that the members of `map` name, nested or dotted; `skip` (or NULL) is a key
- * of the outermost map that is not a parameter. */
-enum rk_status rk_study_set_params(const struct rk_yaml *tree, const struct rk_yaml_node *map,
-                                   const char *skip, const struct rk_param_table *table,
-                                   void *values, struct rk_error *err);
+/* Called for every parameter that a map names, whether there is such a parameter or not. */
+struct rk_param_visitor {
+    enum rk_status (*visit)(void *context, struct rk_spot spot, const char *path,
+                            struct rk_error *err);
+    void *context;
+};
 
-/* The node that sets the parameter `path` in `map` (NULL: none), or NULL. */
-const struct rk_yaml_node *rk_study_find_param(const struct rk_yaml *tree,
-                                               const struct rk_yaml_node *map, const char *path);
+/* Go through the members of `map`, nested or dotted; `skip` (or NULL) is a key of the outermost map
+ * that is not a parameter. A parameter that is named twice is refused. */
+enum rk_status rk_study_walk_params(struct rk_spot map, const char *skip,
+                                    const struct rk_param_table *table,
+                                    const struct rk_param_visitor *visitor, struct rk_error *err);
 
-/* The points and the analyses of a file whose study->scene is known. */
-enum rk_status rk_study_read_points(const struct rk_yaml *tree, struct rk_study *study,
+/* Set one parameter, or all that a map names. */
+enum rk_status rk_study_set_param(struct rk_spot spot, const char *path, const char *text,
+                                  const struct rk_param_table *table, void *values,
+                                  struct rk_error *err);
+enum rk_status rk_study_set_params(struct rk_spot map, const char *skip,
+                                   const struct rk_param_table *table, void *values,
+                                   struct rk_error *err);
+
+/* The spot that sets the parameter `path` in `map` (without a node: none), without a node if none
+ * does. */
+struct rk_spot rk_study_find_param(struct rk_spot map, const char *path);
+
+/* Is the spot an empty value, "key:" and nothing behind it? Or not there at all? */
+bool rk_study_is_empty(struct rk_spot spot);
+
+/* The points and the analyses of a study whose scene is known. */
+enum rk_status rk_study_read_points(const struct rk_sources *sources, struct rk_study *study,
                                     struct rk_error *err);
-enum rk_status rk_study_read_analyses(const struct rk_yaml *tree, struct rk_study *study,
+enum rk_status rk_study_read_analyses(const struct rk_sources *sources, struct rk_study *study,
                                       struct rk_error *err);
 
-/* Write the parameters as "path = value" lines, without those of technical groups unless
- * `technical`, and without later ones at their defaults. Keys and identities are hashes of this text: it must never change for the same
- * parameters. */
-void rk_study_write_canonical(const struct rk_param_table *table, const void *values,
-                              bool technical, FILE *out);
+/* The precision asked for, of a study whose analyses are read. */
+enum rk_status rk_study_read_until(const struct rk_sources *sources, struct rk_study *study,
+                                   struct rk_error *err);
 
 #endif

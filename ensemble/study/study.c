@@ -1,15 +1,14 @@
 #include "ensemble/study.h"
 
 #include "ensemble/study/private.h"
-#include "ensemble/study/yaml.h"
 
 #include <ctype.h>
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const keys[] = {"study", "case",   "seed",    "replicas",
-                                   "base",  "points", "analyses"};
+static const char *const keys[] = {"study", "case",     "seed",    "replicas", "base", "points",
+                                   "sweep", "analyses", "include", "keep",     "until"};
 enum { KEYS = sizeof keys / sizeof *keys };
 
 static const char *key_name(const void *list, size_t i) {
@@ -17,26 +16,25 @@ static const char *key_name(const void *list, size_t i) {
 }
 
 /* A value that must be a single text. */
-static enum rk_status expect_text(const struct rk_yaml *tree, const struct rk_yaml_node *node,
-                                  struct rk_error *err) {
-    if (node->kind == RK_YAML_TEXT) {
+static enum rk_status expect_text(struct rk_spot spot, struct rk_error *err) {
+    if (spot.node->kind == RK_YAML_TEXT) {
         return RK_OK;
     }
-    return rk_yaml_wrong(tree, node->place, err, "%s: a single value is expected here, not %s",
-                         node->key ? node->key : "entry", rk_yaml_kind_name(node->kind));
+    return rk_spot_wrong(spot, err, "%s: a single value is expected here, not %s",
+                         spot.node->key ? spot.node->key : "entry",
+                         rk_yaml_kind_name(spot.node->kind));
 }
 
-enum rk_status rk_study_copy_name(const struct rk_yaml *tree, const struct rk_yaml_node *node,
-                                  const char *what, char name[RK_NAME], struct rk_error *err) {
-    enum rk_status status = expect_text(tree, node, err);
+enum rk_status rk_study_copy_name(struct rk_spot spot, const char *what, char name[RK_NAME],
+                                  struct rk_error *err) {
+    enum rk_status status = expect_text(spot, err);
     if (status != RK_OK) {
         return status;
     }
-    const char *text = node->text;
+    const char *text = spot.node->text;
     if (strlen(text) >= RK_NAME) {
-        return rk_yaml_wrong(tree, node->place, err,
-                             "the name of a %s is %zu long, at most %d is possible", what,
-                             strlen(text), RK_NAME - 1);
+        return rk_spot_wrong(spot, err, "the name of a %s is %zu long, at most %d is possible",
+                             what, strlen(text), RK_NAME - 1);
     }
     bool good = isalnum((unsigned char)text[0]) != 0;
     for (const char *c = text; *c != '\0'; c++) {
@@ -44,7 +42,7 @@ enum rk_status rk_study_copy_name(const struct rk_yaml *tree, const struct rk_ya
                (isalnum((unsigned char)*c) || strchr("-_.", *c) != NULL);
     }
     if (!good) {
-        return rk_yaml_wrong(tree, node->place, err,
+        return rk_spot_wrong(spot, err,
                              "'%s' cannot be the name of a %s: letters, digits, '-', '_' and '.' "
                              "make a name, a letter or digit begins it",
                              text, what);
@@ -55,11 +53,6 @@ enum rk_status rk_study_copy_name(const struct rk_yaml *tree, const struct rk_ya
 
 static enum rk_status check_keys(const struct rk_yaml *tree, struct rk_error *err) {
     const struct rk_yaml_node *root = rk_yaml_root(tree);
-    if (root->kind != RK_YAML_MAP) {
-        return rk_yaml_wrong(tree, root->place, err,
-                             "a study is a map with the keys study, case, ...; this is %s",
-                             rk_yaml_kind_name(root->kind));
-    }
     for (const struct rk_yaml_node *n = rk_yaml_first(tree, root); n; n = rk_yaml_next(tree, n)) {
         bool known = false;
         for (size_t i = 0; i < KEYS; i++) {
@@ -69,7 +62,8 @@ static enum rk_status check_keys(const struct rk_yaml *tree, struct rk_error *er
             const char *nearest = rk_nearest_name(n->key, KEYS, key_name, keys);
             return rk_yaml_wrong(tree, n->key_place, err, "a study has no key '%.64s'%s", n->key,
                                  rk_hint_of(nearest, "; it may have study, case, seed, replicas, "
-                                                     "base, points, analyses")
+                                                     "base, points, sweep, analyses, include, "
+                                                     "keep, until")
                                      .text);
         }
     }
@@ -77,22 +71,22 @@ static enum rk_status check_keys(const struct rk_yaml *tree, struct rk_error *er
 }
 
 /* A whole number out of [low, high]; *number stays as it is when the key is absent. */
-static enum rk_status read_number(const struct rk_yaml *tree, const char *key, uint64_t low,
+static enum rk_status read_number(const struct rk_sources *sources, const char *key, uint64_t low,
                                   uint64_t high, uint64_t *number, struct rk_error *err) {
-    const struct rk_yaml_node *node = rk_yaml_member(tree, rk_yaml_root(tree), key);
-    if (!node) {
+    struct rk_spot spot = rk_sources_find(sources, key);
+    if (!spot.node) {
         return RK_OK;
     }
-    enum rk_status status = expect_text(tree, node, err);
+    enum rk_status status = expect_text(spot, err);
     if (status != RK_OK) {
         return status;
     }
-    const char *text = node->text;
+    const char *text = spot.node->text;
     bool digits = text[0] != '\0' && strspn(text, "0123456789") == strlen(text);
     errno = 0;
     unsigned long long value = strtoull(text, NULL, 10);
     if (!digits || errno != 0 || value < low || value > high) {
-        return rk_yaml_wrong(tree, node->place, err,
+        return rk_spot_wrong(spot, err,
                              "%s: '%.64s' will not do, it must be a whole number from %llu to %llu",
                              key, text, (unsigned long long)low, (unsigned long long)high);
     }
@@ -100,90 +94,124 @@ static enum rk_status read_number(const struct rk_yaml *tree, const char *key, u
     return RK_OK;
 }
 
-static enum rk_status read_case(const struct rk_yaml *tree, struct rk_study *study,
+/* "keep: checkpoint" or "keep: results". */
+static enum rk_status read_keep(const struct rk_sources *sources, bool *checkpoints,
                                 struct rk_error *err) {
-    const struct rk_yaml_node *root = rk_yaml_root(tree);
-    const struct rk_yaml_node *node = rk_yaml_member(tree, root, "case");
-    if (!node) {
-        return rk_yaml_wrong(tree, root->place, err,
+    struct rk_spot spot = rk_sources_find(sources, "keep");
+    enum rk_status status = spot.node ? expect_text(spot, err) : RK_OK;
+    if (status != RK_OK || !spot.node) {
+        return status;
+    }
+    *checkpoints = strcmp(spot.node->text, "checkpoint") == 0;
+    if (!*checkpoints && strcmp(spot.node->text, "results") != 0) {
+        return rk_spot_wrong(spot, err,
+                             "keep: '%.64s' will not do; 'checkpoint' keeps what longer runs go on "
+                             "from, 'results' (the default) does not",
+                             spot.node->text);
+    }
+    return RK_OK;
+}
+
+static enum rk_status read_case(const struct rk_sources *sources, struct rk_study *study,
+                                struct rk_error *err) {
+    struct rk_spot spot = rk_sources_find(sources, "case");
+    if (!spot.node) {
+        return rk_spot_wrong(rk_sources_main(sources), err,
                              "the study names no case; add a line 'case: NAME' ('reckon describe' "
                              "lists the cases)");
     }
-    enum rk_status status = expect_text(tree, node, err);
+    enum rk_status status = expect_text(spot, err);
     if (status != RK_OK) {
         return status;
     }
-    const struct rk_piece *piece = rk_registry_find(&rk_case_registry, node->text);
+    const struct rk_piece *piece = rk_registry_find(&rk_case_registry, spot.node->text);
     if (!piece) {
-        const char *nearest = rk_registry_nearest(&rk_case_registry, node->text);
-        return rk_yaml_wrong(tree, node->place, err, "there is no case '%.64s'%s", node->text,
+        const char *nearest = rk_registry_nearest(&rk_case_registry, spot.node->text);
+        return rk_spot_wrong(spot, err, "there is no case '%.64s'%s", spot.node->text,
                              rk_hint_of(nearest, "; 'reckon describe' lists them").text);
     }
     study->scene = (const struct rk_case *)piece;
     return RK_OK;
 }
 
-static enum rk_status check_runs(const struct rk_yaml *tree, const struct rk_study *study,
+static enum rk_status check_runs(const struct rk_sources *sources, const struct rk_study *study,
                                  struct rk_error *err) {
     if (study->replicas <= RK_RUNS_MAX / study->point_count) {
         return RK_OK;
     }
-    const struct rk_yaml_node *root = rk_yaml_root(tree);
-    const struct rk_yaml_node *node = rk_yaml_member(tree, root, "replicas");
-    return rk_yaml_wrong(tree, node ? node->place : root->place, err,
+    struct rk_spot spot = rk_sources_find(sources, "replicas");
+    return rk_spot_wrong(spot.node ? spot : rk_sources_main(sources), err,
                          "%zu points x %llu replicas are more than the %zu runs a study may have",
                          study->point_count, (unsigned long long)study->replicas, RK_RUNS_MAX);
 }
 
-static enum rk_status read_study(const struct rk_yaml *tree, struct rk_study *study,
+static enum rk_status read_study(const struct rk_sources *sources, struct rk_study *study,
                                  struct rk_error *err) {
-    const struct rk_yaml_node *root = rk_yaml_root(tree);
-    enum rk_status status = check_keys(tree, err);
+    enum rk_status status = RK_OK;
+    for (size_t i = 0; i < sources->count && status == RK_OK; i++) {
+        status = check_keys(sources->trees[i], err);
+    }
     if (status != RK_OK) {
         return status;
     }
-    const struct rk_yaml_node *name = rk_yaml_member(tree, root, "study");
-    if (!name) {
-        return rk_yaml_wrong(tree, root->place, err,
+    struct rk_spot name = rk_sources_find(sources, "study");
+    if (!name.node) {
+        return rk_spot_wrong(rk_sources_main(sources), err,
                              "the study has no name; add a line 'study: NAME'");
     }
     study->seed = 1;
     study->replicas = 1;
-    status = rk_study_copy_name(tree, name, "study", study->name, err);
+    status = rk_study_copy_name(name, "study", study->name, err);
     if (status == RK_OK) {
-        status = read_case(tree, study, err);
+        status = read_case(sources, study, err);
     }
     if (status == RK_OK) {
-        status = read_number(tree, "seed", 0, UINT64_MAX, &study->seed, err);
+        status = read_number(sources, "seed", 0, UINT64_MAX, &study->seed, err);
     }
     if (status == RK_OK) {
-        status = read_number(tree, "replicas", 1, RK_REPLICAS_MAX, &study->replicas, err);
+        status = read_number(sources, "replicas", 1, RK_REPLICAS_MAX, &study->replicas, err);
     }
     if (status == RK_OK) {
-        status = rk_study_read_points(tree, study, err);
+        status = read_keep(sources, &study->keeps_checkpoints, err);
     }
     if (status == RK_OK) {
-        status = check_runs(tree, study, err);
+        status = rk_study_read_points(sources, study, err);
     }
-    return status == RK_OK ? rk_study_read_analyses(tree, study, err) : status;
+    if (status == RK_OK) {
+        status = check_runs(sources, study, err);
+    }
+    if (status == RK_OK) {
+        status = rk_study_read_analyses(sources, study, err);
+    }
+    return status == RK_OK ? rk_study_read_until(sources, study, err) : status;
 }
 
-enum rk_status rk_study_load(const char *path, struct rk_study **study, struct rk_error *err) {
-    struct rk_yaml *tree;
+/* Make a study of sources that were read, and release them. */
+static enum rk_status make_study(enum rk_status status, struct rk_sources *sources,
+                                 struct rk_study **study, struct rk_error *err) {
+    struct rk_study *made = status == RK_OK ? calloc(1, sizeof *made) : NULL;
     *study = NULL;
-    enum rk_status status = rk_yaml_load(path, &tree, err);
-    if (status != RK_OK) {
-        return status;
+    if (status == RK_OK) {
+        status = made ? read_study(sources, made, err) : rk_fail(err, RK_EMEMORY, "out of memory");
     }
-    struct rk_study *made = calloc(1, sizeof *made);
-    status = made ? read_study(tree, made, err) : rk_fail(err, RK_EMEMORY, "out of memory");
     if (status == RK_OK) {
         *study = made;
     } else {
         rk_study_free(made);
     }
-    rk_yaml_free(tree);
+    rk_sources_clear(sources);
     return status;
+}
+
+enum rk_status rk_study_load(const char *path, struct rk_study **study, struct rk_error *err) {
+    struct rk_sources sources;
+    return make_study(rk_sources_load(path, &sources, err), &sources, study, err);
+}
+
+enum rk_status rk_study_parse(const char *name, const void *bytes, size_t size,
+                              struct rk_study **study, struct rk_error *err) {
+    struct rk_sources sources;
+    return make_study(rk_sources_parse(name, bytes, size, &sources, err), &sources, study, err);
 }
 
 void rk_study_free(struct rk_study *study) {
@@ -196,6 +224,11 @@ void rk_study_free(struct rk_study *study) {
     for (size_t i = 0; study->requests && i < study->request_count; i++) {
         free(study->requests[i].params);
     }
+    for (size_t i = 0; study->axes && i < study->axis_count; i++) {
+        free(study->axes[i].values);
+    }
+    free(study->axes);
+    free(study->roots);
     free(study->points);
     free(study->requests);
     free(study);

@@ -111,15 +111,15 @@ enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t
 
 /* ---- The case ---- */
 
-#define ROW(member, kind, standard)                                                                \
+#define ROW(member, kind, standard, longer)                                                        \
     {                                                                                              \
         .name = #member, .type = kind, .offset = offsetof(struct fake_shaker_params, member),      \
-        .unit = "", .value = standard, .low = 0, .high = 1e9, .doc = #member                       \
+        .unit = "", .value = standard, .low = 0, .high = 1e9, .doc = #member, .extends = longer    \
     }
 static const struct rk_param rows[] = {
-    ROW(grains, RK_PARAM_COUNT, 20), ROW(periods, RK_PARAM_COUNT, 8),
-    ROW(samples, RK_PARAM_COUNT, 5), ROW(frames, RK_PARAM_COUNT, 1),
-    ROW(blow_up, RK_PARAM_REAL, 0),  ROW(rotates, RK_PARAM_FLAG, 0),
+    ROW(grains, RK_PARAM_COUNT, 20, false), ROW(periods, RK_PARAM_COUNT, 8, true),
+    ROW(samples, RK_PARAM_COUNT, 5, false), ROW(frames, RK_PARAM_COUNT, 1, false),
+    ROW(blow_up, RK_PARAM_REAL, 0, false),  ROW(rotates, RK_PARAM_FLAG, 0, false),
 };
 static const struct rk_param_group groups[] = {{"shaker", rows, 6, 0, false}};
 static const struct rk_param_table table = {groups, 1, sizeof(struct fake_shaker_params)};

@@ -153,9 +153,29 @@ static void another_studys_folder_is_refused(void **state) {
     expect_run(f, "out", 1);
     f->study.seed = 6;
     plan_again(f);
-    refuse(f, "out", RK_ECONFLICT, "other parameters, seed or case");
+    refuse(f, "out", RK_ECONFLICT, "was made with seed = 5, the study has 6");
     scratch_write(scratch_path(f->folder, "out/plan.h5"), "no plan", 7);
     refuse(f, "out", RK_EFORMAT, "damaged");
+}
+
+/* A folder may grow and stays what it is: a parameter that changed is named. */
+static void a_changed_study_is_told_what_differs(void **state) {
+    struct fixture *f = *state;
+    f->params[1].periods = 9;
+    plan_again(f);
+    expect_run(f, "out", 1);
+    f->params[1].samples = 6;
+    plan_again(f);
+    refuse(f, "out", RK_ECONFLICT, "shaker.samples (point second) = 5, the study has 6");
+    f->params[1].samples = 5;
+    f->params[1].periods = 8;
+    plan_again(f);
+    refuse(f, "out", RK_ECONFLICT, "runs of 1800 steps at point second, the study asks for 1600");
+    f->params[1].periods = 9;
+    strcpy(f->points[0].name, "third");
+    strcpy(f->points[1].name, "fourth");
+    plan_again(f);
+    refuse(f, "out", RK_ECONFLICT, "none of which is in the study");
 }
 
 static void an_unwritable_folder_is_refused(void **state) {
@@ -415,6 +435,96 @@ static size_t steps_recorded(const char *path) {
     return (size_t)count;
 }
 
+/* A run that is made longer, in steps of which some are cut short, has the bytes of one that was
+ * that long from the start; its last frame was one only because it was the last. */
+static void grow(struct fixture *f, const char *name, const uint64_t *periods, size_t count,
+                 uint64_t frames) {
+    for (size_t k = 0; k < count; k++) {
+        for (size_t i = 0; i < POINTS; i++) {
+            f->params[i].periods = periods[k] + i;
+            f->params[i].frames = frames;
+        }
+        plan_again(f);
+        expect_run(f, name, 2);
+    }
+}
+
+/* Not while somebody works on the shorter ones. */
+static void a_folder_at_work_does_not_grow(void **state) {
+    struct fixture *f = *state;
+    struct rk_store *store, *second;
+    const char *folder = scratch_path(f->folder, "out");
+    assert_int_equal(rk_store_open(folder, f->plan, &store, NULL), RK_OK);
+    f->study.replicas = 4;
+    plan_again(f);
+    assert_int_equal(rk_store_open(folder, f->plan, &second, NULL), RK_OK);
+    rk_store_close(second);
+    f->params[0].periods = 9;
+    plan_again(f);
+    refuse(f, "out", RK_ECONFLICT, "is at work in");
+    rk_store_close(store);
+    assert_int_equal(rk_store_open(folder, f->plan, &store, NULL), RK_OK);
+    rk_store_close(store);
+}
+
+static void longer_runs_go_on(void **state) {
+    struct fixture *f = *state;
+    static const uint64_t at_once[] = {9}, steps[] = {1, 4, 5, 9};
+    for (uint64_t frames = 0; frames < 4; frames++) {
+        char whole[32], grown[32];
+        snprintf(whole, sizeof whole, "whole-%d", (int)frames);
+        snprintf(grown, sizeof grown, "grown-%d", (int)frames);
+        f->study.keeps_checkpoints = true;
+        grow(f, grown, steps, 4, frames);
+        assert_int_equal(f->messages, 0); /* nothing was made anew */
+        f->study.keeps_checkpoints = false;
+        grow(f, whole, at_once, 1, frames);
+        expect_same(f, whole, grown);
+    }
+    /* What was kept goes with the wish to keep it. */
+    assert_true(rk_file_exists(scratch_path(f->folder, "grown-3/runs/first-0000.ckpt")));
+    expect_run(f, "grown-3", 1);
+    assert_false(rk_file_exists(scratch_path(f->folder, "grown-3/runs/first-0000.ckpt")));
+    assert_false(rk_file_exists(scratch_path(f->folder, "grown-3/runs/first-0000.spool")));
+}
+
+/* Nothing was kept: said once, and the same bytes. */
+static void longer_runs_without_a_checkpoint_are_made_anew(void **state) {
+    struct fixture *f = *state;
+    static const uint64_t at_once[] = {6}, steps[] = {3, 6};
+    grow(f, "grown", steps, 2, 2);
+    assert_int_equal(f->messages, 1);
+    assert_non_null(strstr(f->last, "6 finished runs are shorter than asked for"));
+    grow(f, "whole", at_once, 1, 2);
+    expect_same(f, "whole", "grown");
+}
+
+/* A run does not know what else is in its study: neither points, nor replicas, nor its name. */
+static void a_larger_study_has_the_same_runs(void **state) {
+    struct fixture *f = *state;
+    expect_run(f, "large", 1);
+    f->study.point_count = 1;
+    f->study.replicas = 2;
+    strcpy(f->study.name, "small");
+    rk_plan_free(f->plan);
+    assert_int_equal(rk_plan_create(&f->study, &f->plan, NULL), RK_OK);
+    expect_run(f, "small", 1);
+    for (size_t i = 0; i < f->plan->count; i++) {
+        char a[200], b[200];
+        snprintf(a, sizeof a, "large/runs/%s.h5", f->plan->runs[i].id);
+        snprintf(b, sizeof b, "small/runs/%s.h5", f->plan->runs[i].id);
+        assert_true(scratch_same(scratch_path(f->folder, a), scratch_path(f->folder, b)));
+    }
+    /* And the small one grows into the large one without doing anything again. */
+    strcpy(f->study.name, "test");
+    f->study.replicas = 3;
+    plan_again(f);
+    expect_run(f, "small", 1);
+    expect_same(f, "large", "small");
+    assert_true(scratch_same(scratch_path(f->folder, "small/plan.h5"),
+                             scratch_path(f->folder, "large/plan.h5")));
+}
+
 /* What `reckon check` foresees is what is there: 8 periods with a frame every 3 have frames at 0,
  * 3, 6 and, being the last, 8; every 4 at 0, 4 and 8. */
 static void as_many_records_as_foreseen(void **state) {
@@ -523,6 +633,12 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_strange_folder_is_refused_and_not_touched, make, clear),
         cmocka_unit_test_setup_teardown(another_studys_folder_is_refused, make, clear),
+        cmocka_unit_test_setup_teardown(a_changed_study_is_told_what_differs, make, clear),
+        cmocka_unit_test_setup_teardown(a_folder_at_work_does_not_grow, make, clear),
+        cmocka_unit_test_setup_teardown(longer_runs_go_on, make, clear),
+        cmocka_unit_test_setup_teardown(longer_runs_without_a_checkpoint_are_made_anew, make,
+                                        clear),
+        cmocka_unit_test_setup_teardown(a_larger_study_has_the_same_runs, make, clear),
         cmocka_unit_test_setup_teardown(an_unwritable_folder_is_refused, make, clear),
         cmocka_unit_test_setup_teardown(who_is_at_work_is_known, make, clear),
         cmocka_unit_test_setup_teardown(a_run_of_another_study_is_not_taken, make, clear),

@@ -194,8 +194,9 @@ static const struct wrong wrongs[] = {
     {HEAD "points:\n  - name: a b\n", ":4:11", "letters"},
     {HEAD "points:\n  - name: a\n  - name: b\n  - name: a\n", ":6:11", "line 4"},
     {HEAD "points:\n  - name: "
-          "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa\n",
-     ":4:11", "at most 63"},
+          "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"
+          "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa\n",
+     ":4:11", "at most 95"},
     {HEAD "analyses: ldf\n", ":3:11", "list"},
     {HEAD "analyses:\n  - lfd\n", ":4:5", "did you mean 'ldf'"},
     {HEAD "analyses:\n  - ldf: 5\n", ":4:10", "map"},
@@ -240,8 +241,8 @@ static void too_many_runs(void **state) {
     struct rk_error err = RK_NO_ERROR;
     char text[2048] = HEAD "replicas: 1000000\npoints:\n";
     for (int i = 0; i < 11; i++) {
-        char line[32];
-        snprintf(line, sizeof line, "  - name: p%d\n", i);
+        char line[48];
+        snprintf(line, sizeof line, "  - {name: p%d, box.width: %d}\n", i, i + 10);
         strcat(text, line);
     }
     assert_int_equal(load(text, strlen(text), &study, &err), RK_EINVALID);

@@ -1,0 +1,220 @@
+#include "ensemble/analysis/target.h"
+
+#include "base/memory.h"
+#include "ensemble/analysis/private.h"
+#include "ensemble/analysis/report.h"
+#include "ensemble/store.h"
+#include "stats/stats.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- One number out of some replicas ---- */
+
+/* The quantity of the first `count` gathered replicas without replica `left_out` (count or more:
+ * none). NaN with RK_OK when the data do not support it; `why` says so then. */
+static enum rk_status estimate(const struct rk_plan *plan, size_t p, const struct rk_gathered *g,
+                               size_t left_out, double *x, char why[256], struct rk_error *err) {
+    const struct rk_study *study = plan->study;
+    const struct rk_until *until = &study->until;
+    const struct rk_point *point = &study->points[p];
+    struct rk_schedule schedule = study->scene->schedule(point->params);
+    size_t count = left_out < g->done ? g->done - 1 : g->done;
+    double *values = rk_array_create(count * g->samples, sizeof *values);
+    size_t *lengths = rk_array_create(count, sizeof *lengths);
+    if (!values || !lengths) {
+        free(values);
+        free(lengths);
+        return rk_fail(err, RK_EMEMORY, "not enough memory for the target of point %s",
+                       point->name);
+    }
+    for (size_t r = 0, to = 0; r < g->done; r++) {
+        if (r != left_out) {
+            memcpy(values + to * g->samples, g->values + r * g->samples,
+                   g->samples * sizeof *values);
+            lengths[to++] = g->lengths[r];
+        }
+    }
+    struct rk_series series = {values, count, g->samples, g->samples, lengths, g->interval};
+    struct rk_point_data data = {
+        .point = point->name,
+        .series = &series,
+        .samples_per_period = schedule.samples_per_period,
+        .period = schedule.period,
+        .stream = rk_stream_of(study->seed, point->key, 0, RK_FOR_BOOTSTRAP, 0),
+    };
+    struct rk_result result;
+    struct rk_error reason = RK_NO_ERROR;
+    rk_result_init(&result);
+    const struct rk_request *request = until->request;
+    enum rk_status status =
+        request->analysis->methods->estimate(request->params, &data, &result, &reason);
+    *x = (double)NAN;
+    if (status == RK_OK && !rk_result_find(&result, until->quantity)) {
+        status = rk_fail(err, RK_EINVALID, "until: the analysis %s gives no quantity '%s'",
+                         request->analysis->piece.name, until->quantity);
+    } else if (status == RK_OK) {
+        *x = rk_result_number(&result, until->quantity);
+        snprintf(why, 256, "%s has no value", until->quantity);
+    } else if (status == RK_EREFUSED) {
+        snprintf(why, 256, "%.255s", reason.message);
+        status = RK_OK;
+    } else {
+        rk_fail_as(err, &reason);
+    }
+    rk_result_clear(&result);
+    free(values);
+    free(lengths);
+    return status;
+}
+
+/* ---- The pilot ---- */
+
+static enum rk_status jackknife(const struct rk_plan *plan, size_t p, const struct rk_gathered *g,
+                                struct rk_target *target, struct rk_error *err) {
+    double *x = rk_array_create(g->done, sizeof *x), sum = 0, square = 0;
+    enum rk_status status = x ? RK_OK : rk_fail(err, RK_EMEMORY, "out of memory");
+    for (size_t i = 0; i < g->done && status == RK_OK; i++) {
+        status = estimate(plan, p, g, i, &x[i], target->why, err);
+        sum += status == RK_OK ? x[i] : 0;
+    }
+    double n = (double)g->done, mean = sum / n;
+    for (size_t i = 0; i < g->done && status == RK_OK; i++) {
+        square += (x[i] - mean) * (x[i] - mean);
+    }
+    free(x);
+    target->deviation = sqrt((n - 1) * square);
+    target->decided = status == RK_OK && isfinite(target->deviation);
+    return status;
+}
+
+/* Replicas that fail are not made up for one by one: as many more are asked for as failed in the
+ * pilot, in proportion. */
+static void choose_number(const struct rk_until *until, uint64_t pilot, struct rk_target *target) {
+    double batch = (double)until->batch, most = (double)until->max_replicas;
+    double used =
+        rk_stein_replicas(target->pilot, target->deviation, until->half_width, until->level);
+    target->needed = used * (double)pilot / (double)target->pilot;
+    double more = fmax(0, ceil((target->needed - (double)pilot) / batch)) * batch;
+    double asked = (double)pilot + more;
+    target->capped = !(asked <= most);
+    target->replicas = (uint64_t)(target->capped ? most : asked);
+}
+
+/* The plan of a study without what was decided before: its pilot. */
+static enum rk_status gather_pilot(const char *folder, const struct rk_plan *plan, size_t p,
+                                   struct rk_gathered *g, struct rk_error *err) {
+    struct rk_plan pilot = *plan;
+    struct rk_plan_point *points = malloc((plan->study->point_count + 1) * sizeof *points);
+    if (!points) {
+        return rk_fail(err, RK_EMEMORY, "out of memory");
+    }
+    memcpy(points, plan->points, plan->study->point_count * sizeof *points);
+    points[p].count = (size_t)plan->study->replicas;
+    pilot.points = points;
+    enum rk_status status = rk_gather(folder, &pilot, p, RK_REPORT_OBSERVABLE, NULL, g, err);
+    free(points);
+    return status;
+}
+
+enum rk_status rk_target_decide(const char *folder, const struct rk_plan *plan, size_t p,
+                                struct rk_target *target, struct rk_error *err) {
+    struct rk_gathered g;
+    *target = (struct rk_target){.replicas = plan->study->replicas, .deviation = (double)NAN};
+    enum rk_status status = gather_pilot(folder, plan, p, &g, err);
+    if (status == RK_OK && g.missing > 0) {
+        snprintf(target->why, sizeof target->why,
+                 "%zu of the %llu replicas of its pilot are missing", g.missing,
+                 (unsigned long long)plan->study->replicas);
+    } else if (status == RK_OK && g.done < RK_STEIN_PILOT) {
+        snprintf(target->why, sizeof target->why,
+                 "%zu replicas of its pilot are done and the others failed; at least %d are needed",
+                 g.done, RK_STEIN_PILOT);
+    } else if (status == RK_OK) {
+        target->pilot = g.done;
+        status = jackknife(plan, p, &g, target, err);
+    }
+    if (status == RK_OK && target->decided) {
+        choose_number(&plan->study->until, plan->study->replicas, target);
+    }
+    rk_gathered_clear(&g);
+    return status;
+}
+
+enum rk_status rk_target_settle(const char *folder, struct rk_study *study, bool *changed,
+                                struct rk_error *err) {
+    struct rk_plan *plan = NULL;
+    *changed = false;
+    if (!study->until.request) {
+        return RK_OK;
+    }
+    enum rk_status status = rk_plan_create(study, &plan, err);
+    for (size_t p = 0; p < study->point_count && status == RK_OK; p++) {
+        struct rk_target target;
+        status = rk_target_decide(folder, plan, p, &target, err);
+        uint64_t before = plan->points[p].count;
+        if (status == RK_OK && target.decided) {
+            study->points[p].replicas = target.replicas;
+            *changed = *changed || target.replicas > before;
+        }
+    }
+    rk_plan_free(plan);
+    return status;
+}
+
+/* ---- What became of it ---- */
+
+static enum rk_status print_point(const char *folder, const struct rk_plan *plan, size_t p,
+                                  FILE *out, struct rk_error *err) {
+    const struct rk_until *until = &plan->study->until;
+    const char *name = plan->study->points[p].name;
+    struct rk_target target;
+    struct rk_gathered g = {0};
+    double x = (double)NAN;
+    char why[256] = "";
+    enum rk_status status = rk_target_decide(folder, plan, p, &target, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    if (!target.decided) {
+        fprintf(out, "  %s: not decided: %s\n", name, target.why);
+        return RK_OK;
+    }
+    status = rk_gather(folder, plan, p, RK_REPORT_OBSERVABLE, NULL, &g, err);
+    if (status == RK_OK) {
+        status = estimate(plan, p, &g, g.done, &x, why, err);
+    }
+    if (status == RK_OK) {
+        double width = rk_stein_half_width(target.pilot, target.deviation, until->level, g.done);
+        double cost = plan->runs[plan->points[p].first].cost * (double)g.done;
+        fprintf(out,
+                "  %s: %.4g +- %.3g with %zu replicas (%zu of them the pilot), at most %.3g "
+                "grain-steps",
+                name, x, width, g.done, target.pilot, cost);
+        if (g.missing > 0) {
+            fprintf(out, "; %zu more to come", g.missing);
+        } else if (target.capped) {
+            fprintf(out, "; max_replicas was met, %.0f would be needed", target.needed);
+        }
+        fprintf(out, "\n");
+    }
+    rk_gathered_clear(&g);
+    return status;
+}
+
+enum rk_status rk_target_print(const char *folder, const struct rk_plan *plan, FILE *out,
+                               struct rk_error *err) {
+    const struct rk_until *until = &plan->study->until;
+    if (!until->request) {
+        return RK_OK;
+    }
+    fprintf(out, "\nuntil %s of %s is within +- %.3g (%g %%, Stein's two stages)\n",
+            until->quantity, until->request->analysis->piece.name, until->half_width,
+            100 * until->level);
+    enum rk_status status = RK_OK;
+    for (size_t p = 0; p < plan->study->point_count && status == RK_OK; p++) {
+        status = print_point(folder, plan, p, out, err);
+    }
+    return status;
+}
