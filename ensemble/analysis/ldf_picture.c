@@ -64,23 +64,13 @@ void rk_ldf_draw_curve(const struct rk_picture *p, FILE *out) {
             100 * rk_result_number(p->panels[0].result, "level"));
 }
 
-/* " [unit]" of a value, or "". */
-static const char *unit_of(const struct rk_picture *p, const char *name, char text[64]) {
-    const struct rk_value *value = rk_result_find(p->panels[0].result, name);
-    text[0] = '\0';
-    if (value && value->unit[0] != '\0') {
-        snprintf(text, 64, " [%s]", value->unit);
-    }
-    return text;
-}
-
 static void write_labels(const struct rk_picture *p, const char *y, const char *value, FILE *out) {
     char unit[2][64];
     fprintf(out,
             "set xlabel \"a, %s%s\" noenhanced\nset ylabel \"%s%s\" noenhanced\n"
             "set key below height 1.2\n",
-            p->quantity ? p->quantity : "window average", unit_of(p, "a", unit[0]), y,
-            unit_of(p, value, unit[1]));
+            p->quantity ? p->quantity : "window average", rk_plot_unit(p, "a", unit[0]), y,
+            rk_plot_unit(p, value, unit[1]));
 }
 
 /* The limit with its band, and the shortest and the longest windows beside it. */
@@ -109,14 +99,19 @@ void rk_ldf_draw_direct(const struct rk_picture *p, FILE *out) {
     const char *file = p->panels[0].file;
     write_labels(p, "rate function I(a)", "rate", out);
     fprintf(out,
-            "plot \\\n"
-            "  \"%s\" using \"a\":\"plain\":\"plain_low\":\"plain_high\" with yerrorbars "
+            "sure(x, v) = (v eq \"point\") ? NaN : x\nplot \\\n"
+            "  \"%s\" using \"a\":(sure(column(\"plain\"), strcol(\"verdict\"))):\"plain_low\":"
+            "\"plain_high\" with yerrorbars "
             "pointtype 6 linecolor rgb \"#%s\" title \"-ln p/tau, minimum subtracted\", \\\n"
-            "  \"%s\" using \"a\":\"rate\":\"rate_low\":\"rate_high\" with yerrorbars "
+            "  \"%s\" using \"a\":(sure(column(\"rate\"), strcol(\"verdict\"))):\"rate_low\":"
+            "\"rate_high\" with yerrorbars "
             "pointtype 7 linecolor rgb \"#%s\" title \"-ln p/tau with prefactor\", \\\n"
             "  \"%s\" using \"a\":(strcol(\"verdict\") eq \"point\" ? column(\"plain\") : NaN) "
-            "with points pointtype 2 linecolor rgb \"#666666\" title \"without interval\"\n",
-            file, rk_plot_colour(1), file, rk_plot_colour(0), file);
+            "with points pointtype 2 linecolor rgb \"#%s\" title \"without interval\", \\\n"
+            "  \"%s\" using \"a\":(strcol(\"verdict\") eq \"point\" ? column(\"rate\") : NaN) "
+            "with points pointtype 2 linecolor rgb \"#%s\" title \"without interval\"\n",
+            file, rk_plot_colour(1), file, rk_plot_colour(0), file, rk_plot_colour(1), file,
+            rk_plot_colour(0));
 }
 
 void rk_ldf_draw_symmetry(const struct rk_picture *p, FILE *out) {

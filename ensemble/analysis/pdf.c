@@ -303,7 +303,9 @@ static void picture(const struct rk_picture *p, FILE *out) {
                  "font \",12\"\n");
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
-        rk_plot_panel(p, i, "probability density", out);
+        rk_plot_panel(
+            p, i, p->quantity ? "probability density" : "probability density [1/sqrt(g d)]", out);
+        rk_plot_xtics(panel->result, "x", out);
         fprintf(out,
                 "set title \"%s\" noenhanced\nset yrange [%.3g:*]\n"
                 "plot \"%s\" using \"x\":(column(\"density\") > 0 ? column(\"density\") : NaN):"

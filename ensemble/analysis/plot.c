@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -35,7 +36,8 @@ void rk_plot_begin(const struct rk_picture *picture, bool panels, FILE *out) {
             "set datafile separator \",\"\nset datafile commentschars \"#\"\n"
             "set datafile columnheaders\n"
             "set style fill solid noborder\nset border linewidth 1\n"
-            "set grid linecolor rgb \"#dddddd\" linetype 1 linewidth 0.7\nset tics nomirror out\n",
+            "set grid linecolor rgb \"#dddddd\" linetype 1 linewidth 0.7\nset tics nomirror out\n"
+            "set rmargin 5\n",
             picture->name, picture->name, width, height, picture->name);
     if (!panels) {
         fprintf(out, "set title \"%s\" noenhanced\n", picture->title);
@@ -51,6 +53,34 @@ void rk_plot_begin_panels(const struct rk_picture *picture, const char *xlabel, 
 
 void rk_plot_panel(const struct rk_picture *picture, size_t i, const char *ylabel, FILE *out) {
     fprintf(out, "set ylabel \"%s\"\n", (int)i % columns_of(picture) == 0 ? ylabel : "");
+}
+
+const char *rk_plot_unit(const struct rk_picture *picture, const char *name, char text[64]) {
+    const struct rk_value *value = rk_result_find(picture->panels[0].result, name);
+    text[0] = '\0';
+    if (value && value->unit[0] != '\0') {
+        snprintf(text, 64, " [%s]", value->unit);
+    }
+    return text;
+}
+
+void rk_plot_xtics(const struct rk_result *result, const char *name, FILE *out) {
+    const struct rk_value *x = rk_result_find(result, name);
+    double low = INFINITY, high = -INFINITY;
+    for (size_t i = 0; x && x->numbers && i < x->count; i++) {
+        low = fmin(low, x->numbers[i]);
+        high = fmax(high, x->numbers[i]);
+    }
+    double apart = (high - low) / 5, power = pow(10, floor(log10(apart)));
+    if (isfinite(apart) && apart > 0 && power > 0) {
+        double step = apart / power;
+        fprintf(out, "set xtics %g\n",
+                (step <= 1   ? 1
+                 : step <= 2 ? 2
+                 : step <= 5 ? 5
+                             : 10) *
+                    power);
+    }
 }
 
 /* In the child: to the folder, quiet, gnuplot. _exit(127) when it cannot be started. */

@@ -137,15 +137,18 @@ static void headline(const struct rk_result *result, FILE *out) {
 }
 
 static void picture(const struct rk_picture *p, FILE *out) {
-    rk_plot_begin_panels(p, "time since the start", out);
+    char unit[64], xlabel[96];
+    snprintf(xlabel, sizeof xlabel, "time since the start%s", rk_plot_unit(p, "time", unit));
+    rk_plot_begin_panels(p, xlabel, out);
     fprintf(out, "set key below height 1.2\n");
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
         const char *colour = rk_plot_colour(i);
         const struct rk_result *r = panel->result;
+        const struct rk_value *time = rk_result_find(r, "time");
         rk_plot_panel(p, i, p->quantity ? p->quantity : "height above the plate [d]", out);
         fprintf(out,
-                "set title \"%s: T = %.3g [%.3g, %.3g]\" noenhanced\n"
+                "set title \"%s: T = %.3g [%.3g, %.3g] %s\" noenhanced\n"
                 "plot \"%s\" using \"elapsed\":\"low\":\"high\" with filledcurves fillcolor rgb "
                 "\"#c0%s\" title \"%g %% interval of the mean\", \\\n"
                 "  \"%s\" using \"elapsed\":\"mean\" with lines linewidth 1 linecolor rgb \"#%s\" "
@@ -153,7 +156,7 @@ static void picture(const struct rk_picture *p, FILE *out) {
                 "  \"%s\" using \"elapsed\":\"curve\" with lines linewidth 2 dashtype 2 linecolor "
                 "rgb \"#000000\" title \"%s exponential\"\n",
                 panel->point, rk_result_number(r, "time"), rk_result_number(r, "time_low"),
-                rk_result_number(r, "time_high"), panel->file, colour,
+                rk_result_number(r, "time_high"), time ? time->unit : "", panel->file, colour,
                 100 * rk_result_number(r, "level"), panel->file, colour, panel->file,
                 rk_relax_form_name((enum rk_relax_form)rk_result_number(r, "form")));
     }

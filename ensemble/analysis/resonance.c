@@ -39,13 +39,16 @@ void rk_resonance_print(const struct rk_result *result, FILE *out) {
 }
 
 static void picture(const struct rk_picture *p, FILE *out) {
-    rk_plot_begin_panels(p, "period of the drive", out);
+    char unit[64], xlabel[96], ylabel[96];
+    snprintf(xlabel, sizeof xlabel, "period of the drive%s", rk_plot_unit(p, "period", unit));
+    snprintf(ylabel, sizeof ylabel, "rate%s", rk_plot_unit(p, "rate", unit));
+    rk_plot_begin_panels(p, xlabel, out);
     fprintf(out,
             "set key below vertical height 1.2 font \",12\"\nset offsets graph 0.04, graph 0.04\n");
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
         const struct rk_result *r = panel->result;
-        rk_plot_panel(p, i, "rate", out);
+        rk_plot_panel(p, i, ylabel, out);
         fprintf(out,
                 "set title \"peak at %.3g [%.3g, %.3g]\" noenhanced\n"
                 "set samples 500\n"

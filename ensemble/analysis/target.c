@@ -1,6 +1,7 @@
 #include "ensemble/analysis/target.h"
 
 #include "base/memory.h"
+#include "base/piece.h"
 #include "ensemble/analysis/private.h"
 #include "ensemble/analysis/report.h"
 #include "ensemble/store.h"
@@ -11,6 +12,10 @@
 #include <string.h>
 
 /* ---- One number out of some replicas ---- */
+
+static const char *value_name(const void *list, size_t i) {
+    return ((const struct rk_value *)list)[i].name;
+}
 
 /* The quantity of the first `count` gathered replicas without replica `left_out` (count or more:
  * none). NaN with RK_OK when the data do not support it; `why` says so then. */
@@ -52,8 +57,11 @@ static enum rk_status estimate(const struct rk_plan *plan, size_t p, const struc
         request->analysis->methods->estimate(request->params, &data, &result, &reason);
     *x = (double)NAN;
     if (status == RK_OK && !rk_result_find(&result, until->quantity)) {
-        status = rk_fail(err, RK_EINVALID, "until: the analysis %s gives no quantity '%s'",
-                         request->analysis->piece.name, until->quantity);
+        const char *nearest =
+            rk_nearest_name(until->quantity, result.count, value_name, result.values);
+        status = rk_fail(err, RK_EINVALID, "until: the analysis %s gives no quantity '%s'%s",
+                         request->analysis->piece.name, until->quantity,
+                         rk_hint_of(nearest, "; its JSON file names them").text);
     } else if (status == RK_OK) {
         *x = rk_result_number(&result, until->quantity);
         snprintf(why, 256, "%s has no value", until->quantity);

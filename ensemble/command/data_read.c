@@ -40,6 +40,12 @@ enum rk_status rk_data_check(const struct rk_data_options *o, const char *operan
     if (o->json && o->csv) {
         return rk_fail(err, RK_EINVALID, "--json and --csv: choose one of them");
     }
+    if (o->column && o->replica && strcmp(o->column, o->replica) == 0) {
+        return rk_fail(err, RK_EINVALID,
+                       "--column and --replica both name '%.64s': one has the data, the other says "
+                       "which replica a row is of",
+                       o->column);
+    }
     if ((folder || run) && (o->column || o->replica)) {
         return rk_fail(err, RK_EINVALID, "--column and --replica are for CSV files");
     }

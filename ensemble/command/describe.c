@@ -15,9 +15,10 @@ struct describe_options {
 };
 
 static const struct rk_registry *const registries[] = {
-    &rk_case_registry,      &rk_analysis_registry, &rk_law_registry,   &rk_friction_registry,
-    &rk_tension_registry,   &rk_drive_registry,    &rk_shape_registry, &rk_integrator_registry,
-    &rk_neighbour_registry, &rk_kernel_registry,   &rk_probe_registry,
+    &rk_case_registry,    &rk_analysis_registry, &rk_law_registry,        &rk_friction_registry,
+    &rk_rolling_registry, &rk_tension_registry,  &rk_body_registry,       &rk_gravity_registry,
+    &rk_drive_registry,   &rk_shape_registry,    &rk_integrator_registry, &rk_neighbour_registry,
+    &rk_kernel_registry,  &rk_probe_registry,
 };
 enum { REGISTRIES = sizeof registries / sizeof *registries };
 
@@ -186,7 +187,37 @@ static size_t describe_pieces(const char *name, struct rk_json *json) {
     return found;
 }
 
-/* The same for parameters: "contact.kn" of every case that has one, "ldf.window" too. */
+static void describe_param(const struct rk_param_table *table, struct rk_param_ref ref,
+                           struct rk_json *json) {
+    if (json) {
+        json_param(json, table, ref);
+    } else {
+        print_param(table, ref);
+    }
+}
+
+/* The parameters "group.*" of a table, after a line that says whose they are. */
+static size_t describe_group(const struct rk_registry *registry, const struct rk_piece *piece,
+                             const struct rk_param_table *table, const char *group,
+                             struct rk_json *json) {
+    size_t found = 0, length = strlen(group);
+    for (size_t p = 0; p < rk_param_total(table); p++) {
+        char path[RK_PARAM_PATH];
+        rk_param_path(rk_param_at(table, p), path);
+        if (length == 0 || strncmp(path, group, length) != 0 || path[length] != '.') {
+            continue;
+        }
+        if (!json && found == 0) {
+            printf("parameters of %s %s\n", registry->kind, piece->name);
+        }
+        found++;
+        describe_param(table, rk_param_at(table, p), json);
+    }
+    return found;
+}
+
+/* The same for parameters: "contact.kn" of every case that has one, "ldf.window" too, and all of a
+ * group for "contact". */
 static size_t describe_params(const char *name, struct rk_json *json) {
     size_t found = 0;
     for (size_t r = 0; r < REGISTRIES; r++) {
@@ -201,15 +232,14 @@ static size_t describe_params(const char *name, struct rk_json *json) {
             struct rk_param_ref ref =
                 table ? rk_param_find(table, path) : (struct rk_param_ref){NULL, NULL};
             if (!ref.row) {
+                found += table ? describe_group(registries[r], piece, table, path, json) : 0;
                 continue;
             }
             found++;
-            if (json) {
-                json_param(json, table, ref);
-            } else {
+            if (!json) {
                 printf("parameter of %s %s\n", registries[r]->kind, piece->name);
-                print_param(table, ref);
             }
+            describe_param(table, ref, json);
         }
     }
     return found;
@@ -319,7 +349,8 @@ const struct rk_command rk_command_describe = {
     .usage = "[NAME] [--json]",
     .about = "Without NAME: what there is to choose from. With the name of a case or an analysis:\n"
              "its parameters with default, unit and range. With the name of a kind (friction), of\n"
-             "one of its members (cundall-strack) or of a parameter (contact.kn): that.",
+             "one of its members (cundall-strack), of a parameter (contact.kn) or of a group of\n"
+             "parameters (contact): that.",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .size = sizeof(struct describe_options),

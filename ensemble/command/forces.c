@@ -12,11 +12,6 @@ static enum rk_status estimate(const void *values, const struct rk_data *data,
                                struct rk_result *result, struct rk_error *err) {
     const struct forces_options *o = values;
     const struct rk_samples *s = &data->samples;
-    if (data->study) {
-        return rk_fail(
-            err, RK_EINVALID,
-            "the runs of a study record no contact forces; name a dataset or a CSV file");
-    }
     const struct rk_series series = {s->values, s->replicas, s->samples, s->samples, s->lengths, 1};
     const struct rk_forces_options options = {o->data.level, o->data.bootstrap};
     struct rk_forces *forces;
@@ -36,6 +31,14 @@ static int forces(const void *options, size_t count, char *const *operands) {
     o.data.interval = 1;
     o.data.observable = RK_REPORT_OBSERVABLE;
     (void)count;
+    if (rk_data_is_folder(operands[0]) || rk_data_is_run(operands[0])) {
+        struct rk_error err = RK_NO_ERROR;
+        rk_fail(&err, RK_EINVALID,
+                "%.200s: the runs of a study record no contact forces; name a dataset, "
+                "FILE.h5:/DATASET, or a CSV file",
+                operands[0]);
+        return rk_complain(&err);
+    }
     return rk_data_main(&command, operands[0], &o.data, &o);
 }
 

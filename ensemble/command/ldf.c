@@ -198,7 +198,7 @@ static const struct rk_option options[] = {
      .type = RK_OPTION_TEXT,
      AT(data.plot),
      .argument = "FILE.png",
-     .doc = "picture, its script (.gp) and table (.csv) beside it"},
+     .doc = "picture, script (.gp) and table (.csv); FILE-limit.png and so on for the rest"},
     {.name = "json", .type = RK_OPTION_FLAG, AT(data.json), .doc = "everything as JSON"},
     {.name = "csv",
      .type = RK_OPTION_FLAG,

@@ -3,9 +3,11 @@
 #include "ensemble/command/command.h"
 #include "ensemble/store/plan_file.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 int rk_command_load_study(const char *path, struct rk_study **study) {
     struct rk_error err = RK_NO_ERROR;
@@ -17,15 +19,51 @@ int rk_command_load_study(const char *path, struct rk_study **study) {
     return err.status == RK_EIO ? RK_EXIT_USAGE : code;
 }
 
+/* Is there a folder at all? What is wrong inside of it is said of its files. */
+static enum rk_status check_folder(const char *folder, struct rk_error *err) {
+    struct stat about;
+    if (folder[0] == '\0') {
+        return rk_fail(err, RK_EINVALID, "the name of a folder is empty");
+    }
+    if (stat(folder, &about) != 0) {
+        return errno == ENOENT
+                   ? rk_fail(err, RK_EINVALID,
+                             "there is no folder '%.200s'; 'reckon run STUDY.yaml -o %.200s' makes "
+                             "one",
+                             folder, folder)
+                   : rk_fail(err, RK_EINVALID, "cannot look into '%.200s': %s", folder,
+                             strerror(errno));
+    }
+    if (!S_ISDIR(about.st_mode)) {
+        return rk_fail(err, RK_EINVALID,
+                       "'%.200s' is a file; the folder that 'reckon run' made is expected", folder);
+    }
+    return RK_OK;
+}
+
 int rk_command_load_folder(const char *folder, struct rk_study **study) {
+    struct rk_error wrong = RK_NO_ERROR;
+    struct stat about;
     char *path;
     *study = NULL;
+    if (check_folder(folder, &wrong) != RK_OK) {
+        return rk_complain(&wrong);
+    }
     if (asprintf(&path, "%s/study.yaml", folder) < 0) {
         struct rk_error err = RK_NO_ERROR;
         rk_fail(&err, RK_EMEMORY, "out of memory");
         return rk_complain(&err);
     }
-    int code = rk_command_load_study(path, study);
+    int code;
+    if (stat(path, &about) != 0 && errno == ENOENT) {
+        rk_fail(&wrong, RK_EINVALID,
+                "'%.200s' is not the folder of a study: it has no study.yaml; 'reckon run "
+                "STUDY.yaml -o DIR' makes such a folder",
+                folder);
+        code = rk_complain(&wrong);
+    } else {
+        code = rk_command_load_study(path, study);
+    }
     free(path);
     return code;
 }

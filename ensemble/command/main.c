@@ -66,7 +66,7 @@ static int unknown_command(const char *name) {
 }
 
 static int help(const char *name) {
-    if (!name) {
+    if (!name || strcmp(name, "help") == 0 || strcmp(name, "--help") == 0) {
         print_help();
         return RK_EXIT_DONE;
     }

@@ -6,6 +6,7 @@
 #include "ensemble/input/table.h"
 #include "stats/stats.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 
@@ -173,6 +174,11 @@ static enum rk_status check_options(const struct resonance_options *o, bool fold
     if (!folder && (!o->period || !o->rate)) {
         return rk_fail(err, RK_EINVALID, "say which columns: --period NAME --rate NAME");
     }
+    if (!folder && (o->data.from > 0 || o->data.to > 0)) {
+        return rk_fail(err, RK_EINVALID,
+                       "--from and --to are for the folder of a study; the rates of a CSV file are "
+                       "taken as they are");
+    }
     return RK_OK;
 }
 
@@ -184,8 +190,12 @@ static int resonance(const void *options, size_t count, char *const *operands) {
     struct rk_study *study = NULL;
     struct curve curve = {0};
     struct stat about;
-    bool folder = stat(operands[0], &about) == 0 && S_ISDIR(about.st_mode);
+    bool there = stat(operands[0], &about) == 0, folder = there && S_ISDIR(about.st_mode);
     (void)count;
+    if (!there && errno == ENOENT) {
+        rk_fail(&err, RK_EINVALID, "%.200s: there is no such file", operands[0]);
+        return rk_complain(&err);
+    }
     if (check_options(o, folder, &err) != RK_OK ||
         (o->data.plot && rk_data_spare(operands[0], o->data.plot, "", &err) != RK_OK)) {
         return rk_complain(&err);
@@ -231,7 +241,20 @@ static const struct rk_option options[] = {
      AT(rate),
      .argument = "NAME",
      .doc = "column with the rate of one replica at that period"},
-    RK_DATA_SPAN_ROWS(resonance_options),
+    {.name = "from",
+     .type = RK_OPTION_COUNT,
+     AT(data.from),
+     .argument = "N",
+     .fallback = "0",
+     .high = 1e9,
+     .doc = "leave out what is before, in periods of a study"},
+    {.name = "to",
+     .type = RK_OPTION_COUNT,
+     AT(data.to),
+     .argument = "N",
+     .fallback = "0",
+     .high = 1e9,
+     .doc = "leave out what is after; 0 is the end"},
     RK_DATA_BOOTSTRAP_ROWS(resonance_options, "1000", 100),
     RK_DATA_OUTPUT_ROWS(resonance_options),
 };

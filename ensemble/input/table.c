@@ -1,6 +1,7 @@
 #include "ensemble/input/table.h"
 
 #include "base/number.h"
+#include "base/piece.h"
 #include "ensemble/input/slurp.h"
 
 #include <errno.h>
@@ -155,6 +156,10 @@ static void list_names(const struct field *fields, size_t count, char *text, siz
     }
 }
 
+static const char *field_name(const void *list, size_t i) {
+    return ((const struct field *)list)[i].text;
+}
+
 static enum rk_status choose(struct reader *r, const char *wanted, bool header,
                              const struct field *fields, size_t count, size_t *index) {
     char names[320];
@@ -164,7 +169,7 @@ static enum rk_status choose(struct reader *r, const char *wanted, bool header,
         return RK_OK;
     }
     if (!wanted) {
-        return wrong(r, 1, "%zu columns%s%s; say which one, by name or number", count,
+        return wrong(r, 1, "%zu columns%s%s; say which one with --column, by name or number", count,
                      header ? ": " : "", header ? names : "");
     }
     size_t found = 0;
@@ -185,8 +190,10 @@ static enum rk_status choose(struct reader *r, const char *wanted, bool header,
         *index = (size_t)number - 1;
         return RK_OK;
     }
-    return wrong(r, 1, "there is no column '%.64s'; %zu column%s%s%s", wanted, count,
-                 count == 1 ? "" : "s", header ? ": " : " without names", header ? names : "");
+    const char *nearest = header ? rk_nearest_name(wanted, count, field_name, fields) : NULL;
+    return wrong(r, 1, "there is no column '%.64s'; %zu column%s%s%s%s", wanted, count,
+                 count == 1 ? "" : "s", header ? ": " : " without names", header ? names : "",
+                 rk_hint_of(nearest, "").text);
 }
 
 static bool looks_numeric(const char *text) {
