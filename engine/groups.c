@@ -175,12 +175,15 @@ void rk_groups_gather(struct rk_scene *scene) {
     }
 }
 
-size_t rk_groups_drop_pairs(const struct rk_scene *scene, uint64_t *pairs, size_t count) {
+size_t rk_groups_drop(const struct rk_scene *scene, uint32_t i, uint32_t *partners, size_t count) {
     const struct rk_grains *g = &scene->grains;
     size_t left = 0;
+    if (!rk_grain_carried(g, i)) {
+        return count;
+    }
     for (size_t k = 0; k < count; k++) {
-        pairs[left] = pairs[k];
-        left += !rk_grain_carried(g, pairs[k] >> 32) || !rk_grain_carried(g, (uint32_t)pairs[k]);
+        partners[left] = partners[k];
+        left += !rk_grain_carried(g, partners[k]);
     }
     return left;
 }

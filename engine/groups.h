@@ -27,8 +27,9 @@ void rk_groups_place(struct rk_scene *scene);
 /* Forces and torques on the groups, from those on their grains. */
 void rk_groups_gather(struct rk_scene *scene);
 
-/* Keys first << 32 | second of pairs: drop those of two grains of groups; how many are left. */
-size_t rk_groups_drop_pairs(const struct rk_scene *scene, uint64_t *pairs, size_t count);
+/* Drop those of the partners of grain i that do not push it, both being of groups; how many are
+ * left. */
+size_t rk_groups_drop(const struct rk_scene *scene, uint32_t i, uint32_t *partners, size_t count);
 
 void rk_groups_free(struct rk_scene *scene);
 

@@ -260,10 +260,14 @@ size_t rk_scene_memory(const struct rk_scene *scene) {
     close += 2 * index + 3 * real + known;
     size_t touch = 3 * index + (8 + RK_HISTORIES + RK_FORCE_WIDTH) * real;
     size_t bytes = sizeof *scene + grain * scene->grains.capacity + pair * scene->pairs.capacity +
-                   close * scene->close_capacity + near->found_capacity * sizeof(uint64_t) +
-                   near->cell_capacity * index + scene->wall_touching.capacity * (touch + index) +
+                   close * scene->close_capacity + near->large_capacity * index +
+                   2 * near->cell_capacity * index +
+                   scene->wall_touching.capacity * (touch + index) +
                    scene->ledger.count * 9 * real + scene->spec.walls * sizeof *scene->walls +
                    scene->spec.groups * sizeof *scene->groups;
+    for (size_t t = 0; t < scene->share_count; t++) {
+        bytes += sizeof *scene->shares + scene->shares[t].found.capacity * index;
+    }
     for (size_t w = 0; w < scene->wall_count; w++) {
         const struct rk_wall *wall = &scene->walls[w];
         bytes += wall->near.capacity * (2 * index + RK_HISTORIES * real + 2) +

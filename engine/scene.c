@@ -126,7 +126,7 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     }
     near->cell_of = rk_array_create(n, sizeof(uint32_t));
     near->in_cell = rk_array_create(n, sizeof(uint32_t));
-    near->row_start = rk_array_create(n + 2, sizeof(uint32_t));
+    near->row_start = rk_array_create(n + 1, sizeof(uint32_t));
     scene->walls = rk_array_create(scene->spec.walls, sizeof *scene->walls);
     if (status == RK_OK) {
         status = rk_shares_create(scene, err);

@@ -112,13 +112,28 @@ static inline void rk_bounds_join(struct rk_bounds *all, const struct rk_bounds 
     }
 }
 
+/* Partners of grains as a thread finds them, row after row. */
+struct rk_found {
+    uint32_t *second;
+    size_t count, capacity;
+    bool failed; /* no memory */
+};
+
 /* What one thread does: rows of the pair list, which are grains, and their pairs and contacts. */
 struct rk_share {
-    size_t begin, end; /* grains; begin is a multiple of the vector width */
+    struct rk_found found; /* scratch of a build */
+    size_t begin, end;     /* grains; begin is a multiple of the vector width */
     size_t pair_begin, pair_end;
     size_t ghost_begin, ghost_end; /* in scene->ghosts: pairs of earlier threads */
     struct rk_close close;         /* a stretch of the scene's arrays */
     struct rk_bounds moved;
+};
+
+/* Cells over the box, by rows. */
+struct rk_grid {
+    double x0, y0, inverse_w, inverse_h;
+    uint32_t columns, rows;
+    bool periodic; /* the last column is next to the first */
 };
 
 struct rk_neighbours {
@@ -133,10 +148,11 @@ struct rk_neighbours {
     double largest;         /* the largest sum of two radii, of grains grown up */
     double widest;          /* the largest radius, likewise */
     double smallest;        /* the smallest radius that a grain may come to */
-    uint64_t *found;        /* scratch: pairs as first << 32 | second */
-    size_t found_capacity;
-    uint32_t *cell_start, *cell_of, *in_cell; /* scratch: counting sort into cells */
-    size_t cell_capacity;
+    struct rk_grid grid;    /* scratch of a build, as all until row_start */
+    uint32_t *cell_start, *cell_of, *in_cell; /* grains by cells */
+    size_t cell_capacity;                     /* of cell_start and large_start */
+    uint32_t *large_start, *large_near;       /* for each cell the large grains that reach it */
+    size_t large_capacity;
     uint32_t *row_start; /* [capacity + 1] first pair of each grain */
 };
 

@@ -5,7 +5,6 @@
 #include "engine/kernel.h"
 #include "engine/neighbours.h"
 
-#include <omp.h>
 #include <stdlib.h>
 
 enum rk_status rk_shares_create(struct rk_scene *scene, struct rk_error *err) {
@@ -20,7 +19,31 @@ enum rk_status rk_shares_create(struct rk_scene *scene, struct rk_error *err) {
 }
 
 void rk_shares_free(struct rk_scene *scene) {
+    for (size_t t = 0; scene->shares && t < scene->share_count; t++) {
+        free(scene->shares[t].found.second);
+    }
     free(scene->shares);
+}
+
+void rk_shares_run(struct rk_scene *scene, rk_share_work *const works[], size_t count,
+                   const void *data) {
+    size_t threads = scene->share_count;
+    if (threads == 1) { /* even a team of one costs a step */
+        for (size_t k = 0; k < count; k++) {
+            works[k](scene, 0, data);
+        }
+        return;
+    }
+#pragma omp parallel num_threads((int)threads)
+    for (size_t k = 0; k < count; k++) {
+#pragma omp for schedule(static) nowait
+        for (size_t t = 0; t < threads; t++) {
+            works[k](scene, t, data);
+        }
+        if (k + 1 < count) {
+#pragma omp barrier
+        }
+    }
 }
 
 /* The first grain of share t, so that all have about as many pairs: a multiple of RK_BLOCK. */
@@ -68,26 +91,34 @@ static struct rk_bounds gather_moves(struct rk_scene *scene) {
 }
 
 enum pass { PREDICT, CORRECT, ADVANCE };
+struct motion {
+    enum pass pass;
+    enum rk_scheme scheme;
+    double dt;
+};
+
+static void move_share(struct rk_scene *scene, size_t t, const void *data) {
+    const struct motion *motion = data;
+    const struct rk_kernel *kernel = scene->kernel;
+    const double *gravity = scene->gravity, dt = motion->dt;
+    struct rk_grains *g = &scene->grains;
+    size_t blocks = (g->count + RK_BLOCK - 1) / RK_BLOCK, threads = scene->share_count;
+    size_t begin = blocks * t / threads * RK_BLOCK, end = blocks * (t + 1) / threads * RK_BLOCK;
+    struct rk_bounds *moved = &scene->shares[t].moved;
+    end = end < g->count ? end : g->count;
+    if (motion->pass == PREDICT) {
+        kernel->predict[motion->scheme](g, begin, end, dt, gravity, moved);
+    } else if (motion->pass == CORRECT) {
+        kernel->correct[motion->scheme](g, begin, end, dt, moved);
+    } else {
+        kernel->advance[motion->scheme](g, begin, end, dt, gravity, moved);
+    }
+}
 
 static struct rk_bounds move(struct rk_scene *scene, enum pass pass, enum rk_scheme scheme,
                              double dt) {
-    const struct rk_kernel *kernel = scene->kernel;
-    const double *gravity = scene->gravity;
-    struct rk_grains *g = &scene->grains;
-    size_t blocks = (g->count + RK_BLOCK - 1) / RK_BLOCK, threads = scene->share_count;
-#pragma omp parallel for num_threads((int)threads) schedule(static) if (threads > 1)
-    for (size_t t = 0; t < threads; t++) {
-        size_t begin = blocks * t / threads * RK_BLOCK, end = blocks * (t + 1) / threads * RK_BLOCK;
-        struct rk_bounds *moved = &scene->shares[t].moved;
-        end = end < g->count ? end : g->count;
-        if (pass == PREDICT) {
-            kernel->predict[scheme](g, begin, end, dt, gravity, moved);
-        } else if (pass == CORRECT) {
-            kernel->correct[scheme](g, begin, end, dt, moved);
-        } else {
-            kernel->advance[scheme](g, begin, end, dt, gravity, moved);
-        }
-    }
+    const struct motion motion = {pass, scheme, dt};
+    rk_shares_run(scene, (rk_share_work *const[]){move_share}, 1, &motion);
     return gather_moves(scene);
 }
 
@@ -103,23 +134,24 @@ struct rk_bounds rk_shares_advance(struct rk_scene *scene, enum rk_scheme scheme
     return move(scene, ADVANCE, scheme, scene->spec.dt);
 }
 
+static void return_histories(struct rk_scene *scene, size_t t, const void *data) {
+    (void)data;
+    rk_close_return(scene, t);
+}
+
+static void pick_ghosts(struct rk_scene *scene, size_t t, const void *data) {
+    (void)data;
+    rk_close_pick_ghosts(scene, t);
+}
+
+static void pick_own(struct rk_scene *scene, size_t t, const void *data) {
+    (void)data;
+    rk_close_pick_own(scene, t);
+}
+
 void rk_shares_pick(struct rk_scene *scene) {
-    size_t threads = scene->share_count;
-#pragma omp parallel num_threads((int)threads) if (threads > 1)
-    {
-#pragma omp for schedule(static)
-        for (size_t t = 0; t < threads; t++) {
-            rk_close_return(scene, t);
-        }
-#pragma omp for schedule(static)
-        for (size_t t = 0; t < threads; t++) {
-            rk_close_pick_ghosts(scene, t);
-        }
-#pragma omp for schedule(static) nowait
-        for (size_t t = 0; t < threads; t++) {
-            rk_close_pick_own(scene, t);
-        }
-    }
+    rk_shares_run(scene, (rk_share_work *const[]){return_histories, pick_ghosts, pick_own}, 3,
+                  NULL);
     scene->neighbours.crept = (struct rk_bounds){{0, 0}, {0, 0}};
     scene->neighbours.close_valid = true;
     scene->neighbours.swollen = false;
@@ -166,28 +198,25 @@ void rk_shares_recall(struct rk_scene *scene) {
     all->count = count;
 }
 
-static void push(struct rk_scene *scene, const struct rk_contact_law *law, size_t t) {
+static void push(struct rk_scene *scene, size_t t, const void *data) {
+    const struct rk_contact_law *law = data;
     struct rk_share *share = &scene->shares[t];
     scene->kernel->push[law->implicit][law->normal][law->tangent][law->rolls][law->materials > 1](
         &scene->grains, law, &share->close);
 }
 
+static void ease(struct rk_scene *scene, size_t t, const void *data) {
+    const struct rk_share *share = &scene->shares[t];
+    (void)data;
+    scene->kernel->ease(&scene->grains, &share->close, &scene->wall_touching, share->begin,
+                        share->end);
+}
+
 void rk_shares_push(struct rk_scene *scene, const struct rk_contact_law *law) {
-    size_t threads = scene->share_count;
-#pragma omp parallel num_threads((int)threads) if (threads > 1)
-    {
-        if (law->implicit) { /* every grain's ease is known before it is used */
-#pragma omp for schedule(static)
-            for (size_t t = 0; t < threads; t++) {
-                const struct rk_share *share = &scene->shares[t];
-                scene->kernel->ease(&scene->grains, &share->close, &scene->wall_touching,
-                                    share->begin, share->end);
-            }
-        }
-#pragma omp for schedule(static) nowait
-        for (size_t t = 0; t < threads; t++) {
-            push(scene, law, t);
-        }
+    if (law->implicit) { /* every grain's ease is known before it is used */
+        rk_shares_run(scene, (rk_share_work *const[]){ease, push}, 2, law);
+    } else {
+        rk_shares_run(scene, (rk_share_work *const[]){push}, 1, law);
     }
     scene->scattered = true;
 }

@@ -17,6 +17,18 @@
 enum rk_status rk_shares_create(struct rk_scene *scene, struct rk_error *err);
 void rk_shares_free(struct rk_scene *scene);
 
+/* What one thread does of a piece of work, for its share. */
+typedef void rk_share_work(struct rk_scene *scene, size_t share, const void *data);
+
+/* Do works[0..count) for all shares, each by its thread; one is done before the next begins. */
+void rk_shares_run(struct rk_scene *scene, rk_share_work *const works[], size_t count,
+                   const void *data);
+
+/* The first of the grains of a thread, where all have as many. */
+static inline size_t rk_shares_even(const struct rk_scene *scene, size_t share) {
+    return scene->grains.count * share / scene->share_count;
+}
+
 /* Cut the present pair list; after each build. */
 enum rk_status rk_shares_cut(struct rk_scene *scene, struct rk_error *err);
 

@@ -101,6 +101,85 @@ static void methods_and_threads_give_the_same_bytes(void **state) {
     free(block);
 }
 
+/* Discs of all sizes up to `ratio` times the smallest, the largest first, each thrown anywhere in a
+ * strip `width` wide and `height` high where it meets no other. */
+struct mixture {
+    size_t grains;
+    double ratio, width, height;
+    bool periodic;
+};
+
+static void pour(struct rk_scene *scene, const struct mixture *mix) {
+    struct rk_stream stream = rk_stream_of(23, 0, 0, RK_FOR_TESTS, 0);
+    struct rk_grain put[256];
+    assert_true(mix->grains <= 256);
+    for (size_t i = 0; i < mix->grains; i++) {
+        const double share = (double)i / (double)(mix->grains - 1);
+        const double radius = 0.1 * pow(mix->ratio, (1 - share) * (1 - share) * (1 - share));
+        struct rk_grain grain = {.radius = radius, .mass = radius * radius};
+        bool met = true;
+        for (int trial = 0; met && trial < 20000; trial++) {
+            grain.x = mix->width * rk_stream_uniform(&stream);
+            grain.y = mix->height * rk_stream_uniform(&stream);
+            met = false;
+            for (size_t k = 0; !met && k < i; k++) {
+                double dx = fabs(grain.x - put[k].x);
+                dx = mix->periodic ? fmin(dx, mix->width - dx) : dx;
+                met = hypot(dx, grain.y - put[k].y) < radius + put[k].radius;
+            }
+        }
+        assert_false(met);
+        grain.vx = 8 * (rk_stream_uniform(&stream) - 0.5);
+        grain.vy = 8 * (rk_stream_uniform(&stream) - 0.5);
+        put[i] = grain;
+        kit_add(scene, grain);
+    }
+}
+
+/* The state after some steps, and the pairs that were listed in them. */
+static void *stirred(const struct mixture *mix, const char *method, size_t threads, size_t *size,
+                     struct rk_profile *profile) {
+    struct rk_scene_spec spec = kit_spec(mix->grains, 0);
+    spec.period_x = mix->periodic ? mix->width : 0;
+    spec.smallest = 0.01;
+    spec.accuracy.neighbour = kit_piece(&rk_neighbour_registry, method);
+    spec.threads = threads;
+    kit_complete(&spec, 0.2);
+    struct rk_scene *scene = kit_scene(&spec);
+    pour(scene, mix);
+    kit_step(scene, 400);
+    *profile = rk_scene_profile(scene);
+    void *block = kit_packed(scene, size);
+    rk_scene_free(scene);
+    return block;
+}
+
+/* Grains that reach over many cells, and boxes of two cells and of less than one. */
+static void sizes_and_boxes_do_not_matter(void **state) {
+    (void)state;
+    const struct mixture mixtures[] = {{200, 50, 60, 30, true},  {200, 50, 60, 30, false},
+                                       {256, 2, 6, 10, false},   {40, 1, 0.85, 5, true},
+                                       {12, 1, 0.9, 1.2, false}, {3, 50, 30, 20, true}};
+    for (size_t m = 0; m < sizeof mixtures / sizeof *mixtures; m++) {
+        const struct mixture *mix = &mixtures[m];
+        struct rk_profile all, list, cells;
+        size_t size, other_size;
+        void *block = stirred(mix, "all-pairs", 1, &size, &all);
+        void *other = stirred(mix, "verlet", 2, &other_size, &list);
+        assert_true(all.contacts > 0 || mix->grains == 3);
+        kit_assert_same_block(other, other_size, block, size);
+        free(other);
+        for (size_t threads = 1; threads <= 3; threads += 2) {
+            other = stirred(mix, "cells", threads, &other_size, &cells);
+            kit_assert_same_block(other, other_size, block, size);
+            assert_true(cells.pairs == list.pairs);
+            assert_true(cells.rebuilds == list.rebuilds && cells.rebuilds > 2);
+            free(other);
+        }
+        free(block);
+    }
+}
+
 /* Pairs looked at in STEPS steps and in the evaluation before the first, per evaluation. */
 static double looks(uint64_t grains, const char *method, size_t *count) {
     struct rk_neighbour_study study = study_of(grains, "cells");
@@ -171,6 +250,7 @@ static void how_a_run_is_computed_is_technical(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(methods_and_threads_give_the_same_bytes),
+        cmocka_unit_test(sizes_and_boxes_do_not_matter),
         cmocka_unit_test(lists_grow_with_the_number_of_grains_only),
         cmocka_unit_test(what_cannot_be_done_is_refused),
         cmocka_unit_test(how_a_run_is_computed_is_technical),
