@@ -22,7 +22,7 @@ static void count_units(struct work *w) {
     const struct rk_tilt *tilt = &w->ldf->tilt;
     for (size_t u = 0; u < tilt->units; u++) {
         for (size_t j = tilt->first[u]; j < tilt->first[u + 1]; j++) {
-            size_t b = rk_histogram_bin(w->histogram, tilt->z[j]);
+            size_t b = rk_histogram_bin(w->histogram, rk_tilt_z(tilt, j));
             if (b < w->histogram->bins) {
                 w->counts[b * tilt->units + u] += 1;
             }
@@ -45,7 +45,7 @@ static void find_prefactors(struct work *w) {
         double theta = z == middle ? 0 : rk_tilt_of_mean(&ldf->tilt, z, ends[z > middle]);
         w->prefactor[b] = isnan(theta)
                               ? (double)NAN
-                              : 0.5 * log(2 * M_PI * rk_tilt_at(&ldf->tilt, theta, NULL).variance);
+                              : 0.5 * log(2 * M_PI * rk_tilt_at(&ldf->tilt, theta).variance);
     }
 }
 
@@ -196,12 +196,20 @@ enum rk_status rk_ldf_direct_estimate(struct rk_ldf_direct **out, const struct r
     struct rk_histogram_options options = {.bins = bins, .level = ldf->level};
     struct work work = {.ldf = ldf->work};
     struct rk_ldf_direct *d = NULL;
-    status = rk_histogram_create(&work.histogram, tilt->z, NULL, tilt->count, &options, err);
+    double *z = rk_array_create(tilt->count, sizeof *z);
+    if (!z) {
+        return rk_fail(err, RK_EMEMORY, "no memory for %zu windows", tilt->count);
+    }
+    for (size_t j = 0; j < tilt->count; j++) {
+        z[j] = rk_tilt_z(tilt, j);
+    }
+    status = rk_histogram_create(&work.histogram, z, NULL, tilt->count, &options, err);
     if (status == RK_OK && work.histogram->bins > MOST_BINS) {
         options.bins = MOST_BINS;
         rk_histogram_free(work.histogram);
-        status = rk_histogram_create(&work.histogram, tilt->z, NULL, tilt->count, &options, err);
+        status = rk_histogram_create(&work.histogram, z, NULL, tilt->count, &options, err);
     }
+    free(z);
     if (status != RK_OK) {
         return status;
     }

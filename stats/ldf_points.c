@@ -44,9 +44,9 @@ static enum rk_status lay_grid(struct rk_ldf *ldf, struct rk_ldf_work *work,
     for (size_t i = 0; i < work->points; i++) {
         double share = ((double)i - (double)half) / (double)half;
         work->theta[i] = share < 0 ? -share * low : share * high;
-        work->point[i] = rk_tilt_at(&work->tilt, work->theta[i], work->sums + i * ldf->units);
         ldf->k[i] = work->theta[i] / unit;
     }
+    rk_tilt_along(&work->tilt, work->theta, half, work->point, work->sums);
     return RK_OK;
 }
 
@@ -108,9 +108,8 @@ static void fill_points(struct rk_ldf *ldf, const struct rk_ldf_work *work) {
     }
     const struct rk_tilt *tilt = &work->tilt;
     bool bottom = isinf(work->limit_low), top = isinf(work->limit_high);
-    ldf->point_low =
-        bottom ? tilt->least : to_mean(work, rk_tilt_at(tilt, work->limit_low, NULL).z);
-    ldf->point_high = top ? tilt->most : to_mean(work, rk_tilt_at(tilt, work->limit_high, NULL).z);
+    ldf->point_low = bottom ? tilt->least : to_mean(work, rk_tilt_at(tilt, work->limit_low).z);
+    ldf->point_high = top ? tilt->most : to_mean(work, rk_tilt_at(tilt, work->limit_high).z);
 }
 
 /* The minimum, the curvature there, and the rate at a = 0. */
@@ -135,7 +134,7 @@ static void fill_scalars(struct rk_ldf *ldf, struct rk_ldf_work *work) {
     if (isnan(work->zero_theta)) {
         return;
     }
-    struct rk_tilt_point point = rk_tilt_at(tilt, work->zero_theta, NULL);
+    struct rk_tilt_point point = rk_tilt_at(tilt, work->zero_theta);
     ldf->at_zero.estimate = fmax(point.j, 0) / ldf->tau;
     ldf->at_zero.n_eff = point.n_eff;
     ldf->at_zero_verdict =
