@@ -36,13 +36,10 @@ static double centre_of(const struct rk_histogram *h, size_t b) {
 
 static void find_prefactors(struct work *w) {
     const struct rk_ldf_work *ldf = w->ldf;
-    double ends[2] = {ldf->limit_low, ldf->limit_high};
-    ends[0] = isinf(ends[0]) ? ldf->theta[0] : ends[0];
-    ends[1] = isinf(ends[1]) ? ldf->theta[ldf->points - 1] : ends[1];
+    const struct rk_tilt_place middle = {0, ldf->point[ldf->points / 2].z};
     for (size_t b = 0; b < w->histogram->bins; b++) {
         double z = centre_of(w->histogram, b);
-        double middle = ldf->point[ldf->points / 2].z;
-        double theta = z == middle ? 0 : rk_tilt_of_mean(&ldf->tilt, z, ends[z > middle]);
+        double theta = rk_tilt_of_mean(&ldf->tilt, z, middle, ldf->ends[z > middle.z]);
         w->prefactor[b] = isnan(theta)
                               ? (double)NAN
                               : 0.5 * log(2 * M_PI * rk_tilt_at(&ldf->tilt, theta).variance);

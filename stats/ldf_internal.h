@@ -20,6 +20,7 @@ struct rk_ldf_work {
     struct rk_tilt_point *point;  /* [points] */
     struct rk_tilt_sums *sums;    /* [points][units] */
     double limit_low, limit_high; /* theta at k_c */
+    struct rk_tilt_place ends[2]; /* at k_c, or at the end of the grid where there is none */
     double zero_z, zero_theta;    /* a = 0: its z, its theta (NaN when outside the limits) */
 };
 

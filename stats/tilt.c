@@ -272,16 +272,17 @@ double rk_tilt_where(const struct rk_tilt *tilt, double target, bool up) {
     return find_root(tilt, miss_j, sign * root, sign * root, up ? 0 : -INFINITY, up ? INFINITY : 0);
 }
 
-double rk_tilt_of_mean(const struct rk_tilt *tilt, double z, double limit) {
-    struct rk_tilt_point start = rk_tilt_at(tilt, 0), end = rk_tilt_at(tilt, limit);
+double rk_tilt_of_mean(const struct rk_tilt *tilt, double z, struct rk_tilt_place start,
+                       struct rk_tilt_place end) {
     double at_start = z - start.z, at_end = z - end.z;
     if (at_start == 0 || at_end == 0) {
-        return at_start == 0 ? 0 : limit;
+        return at_start == 0 ? start.theta : end.theta;
     }
     if (!isfinite(at_end) || (at_start < 0) == (at_end < 0)) {
         return NAN;
     }
-    /* Where the straight line from 0 to the limit has it: always inside. */
-    double theta = limit * (at_start / (at_start - at_end));
-    return find_root(tilt, miss_z, z, theta, fmin(limit, 0), fmax(limit, 0));
+    /* Where the straight line between them has it: always inside. */
+    double theta = start.theta + (end.theta - start.theta) * (at_start / (at_start - at_end));
+    return find_root(tilt, miss_z, z, theta, fmin(start.theta, end.theta),
+                     fmax(start.theta, end.theta));
 }

@@ -64,7 +64,11 @@ void rk_tilt_along(const struct rk_tilt *tilt, const double *theta, size_t half,
 /* theta >= 0 (`up`) or <= 0 where J reaches `target` > 0; infinite when it never does. */
 double rk_tilt_where(const struct rk_tilt *tilt, double target, bool up);
 
-/* theta between 0 and `limit` where Z = z; NaN when it is not reached there. */
-double rk_tilt_of_mean(const struct rk_tilt *tilt, double z, double limit);
+/* theta between two places where Z = z; NaN when it is not reached there. */
+struct rk_tilt_place {
+    double theta, z; /* z = Z(theta) */
+};
+double rk_tilt_of_mean(const struct rk_tilt *tilt, double z, struct rk_tilt_place start,
+                       struct rk_tilt_place end);
 
 #endif
