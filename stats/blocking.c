@@ -1,6 +1,7 @@
 #include "stats/blocking.h"
 
 #include "stats/numeric.h"
+#include "stats/series.h"
 
 #include <gsl/gsl_cdf.h>
 #include <math.h>
@@ -77,11 +78,11 @@ static enum rk_status estimate(struct rk_blocking *out, struct rk_windows *w, do
                        "the series is constant: its mean has no error to be read from it");
     }
     for (size_t i = 0; i < n; i++) {
-        w->values[i] = (w->values[i] / 2 - mean / 2) / (scale / 2);
+        w->own[i] = (w->own[i] / 2 - mean / 2) / (scale / 2);
     }
     for (; w->count >= FEWEST_BLOCKS && count < LEVELS; count++) {
         levels[count] = look(w->values, w->first, w->replicas);
-        halve(w->values, w->first, w->replicas);
+        halve(w->own, w->first, w->replicas);
         w->count = w->first[w->replicas];
     }
     size_t j = choose(levels, count);
@@ -114,6 +115,9 @@ enum rk_status rk_blocking_estimate(struct rk_blocking *out, const struct rk_ser
     enum rk_status status = rk_check_level(level, err);
     if (status == RK_OK) {
         status = rk_windows_create(&samples, series, mode, 1, from, to, err);
+    }
+    if (status == RK_OK) {
+        status = rk_windows_own(samples, err);
     }
     if (status == RK_OK) {
         status = estimate(out, samples, level, err);

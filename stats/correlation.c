@@ -225,53 +225,35 @@ struct rk_interval rk_correlation_interval(const struct rk_correlation *correlat
     };
 }
 
-/* The samples of a series' span as rates, one after the other. */
-static enum rk_status flatten(double **x, size_t **first, const struct rk_series *series,
-                              enum rk_series_mode mode, size_t from, size_t to,
-                              struct rk_error *err) {
-    struct rk_windows *windows;
-    enum rk_status status = rk_windows_create(&windows, series, mode, 1, from, to, err);
-    *x = NULL;
-    *first = NULL;
-    if (status == RK_OK) {
-        *x = windows->values;
-        *first = windows->first;
-        free(windows);
-    }
-    return status;
-}
-
 enum rk_status rk_correlation_estimate(struct rk_correlation *out, const struct rk_series *series,
                                        enum rk_series_mode mode, size_t from, size_t to,
                                        struct rk_error *err) {
     *out = (struct rk_correlation){NAN, NAN, NAN, NAN};
-    double *x;
-    size_t *first;
-    enum rk_status status = flatten(&x, &first, series, mode, from, to, err);
+    struct rk_windows *samples;
+    enum rk_status status = rk_windows_create(&samples, series, mode, 1, from, to, err);
     if (status == RK_OK) {
-        status = rk_correlation_of(out, x, first, series->replicas, err);
+        status = rk_correlation_of(out, samples->values, samples->first, series->replicas, err);
         out->time *= series->interval;
         out->error *= series->interval;
         out->window *= series->interval;
     }
-    free(x);
-    free(first);
+    rk_windows_free(samples);
     return status;
 }
 
 enum rk_status rk_autocorrelation_estimate(double *rho, size_t lags, const struct rk_series *series,
                                            enum rk_series_mode mode, size_t from, size_t to,
                                            struct rk_error *err) {
-    double *x, mean, scale;
-    size_t *first;
-    enum rk_status status = flatten(&x, &first, series, mode, from, to, err);
-    if (status == RK_OK && !rk_find_scale(x, first[series->replicas], &mean, &scale)) {
+    struct rk_windows *samples;
+    double mean, scale;
+    enum rk_status status = rk_windows_create(&samples, series, mode, 1, from, to, err);
+    if (status == RK_OK && !rk_find_scale(samples->values, samples->count, &mean, &scale)) {
         status = rk_fail(err, RK_EREFUSED, "the series is constant: it has no autocorrelation");
     }
     if (status == RK_OK && lags > 0) {
-        status = normalised(rho, lags, x, first, series->replicas, mean, scale, err);
+        status = normalised(rho, lags, samples->values, samples->first, series->replicas, mean,
+                            scale, err);
     }
-    free(x);
-    free(first);
+    rk_windows_free(samples);
     return status;
 }

@@ -56,8 +56,9 @@ double rk_logsumexp(const double *x, size_t count);
 /* Averages over non-overlapping windows: values[first[r] .. first[r + 1]) are replica r's, in order
  * of time. A replica too short for one window has none. */
 struct rk_windows {
-    double *values; /* [count] */
-    size_t *first;  /* [replicas + 1] */
+    const double *values; /* [count] `own`, or samples of the series where they lie */
+    double *own;          /* NULL: nothing to free */
+    size_t *first;        /* [replicas + 1] */
     size_t count;
     size_t replicas;
     double tau; /* window * interval */
@@ -67,8 +68,10 @@ struct rk_windows {
  * `window` intervals; an incomplete last window is dropped.
  *   rate:      A_j = (1/w) sum of the w samples
  *   integral:  A_j = (h[from + (j+1) w] - h[from + j w]) / (w interval), the exact average
- * Samples outside the time that is used are not looked at. Fails with RK_EINVALID for bad input,
- * RK_EREFUSED when no replica holds a whole window. */
+ * Windows of one sample of a rate whose replicas lie one after another without a gap are not
+ * copied: the series must then stay as long as they. Samples outside the time that is used are not
+ * looked at. Fails with RK_EINVALID for bad input, RK_EREFUSED when no replica holds a whole
+ * window. */
 enum rk_status rk_windows_create(struct rk_windows **out, const struct rk_series *series,
                                  enum rk_series_mode mode, size_t window, size_t from, size_t to,
                                  struct rk_error *err);

@@ -51,8 +51,7 @@ static enum rk_status allocate(struct rk_ldf *ldf, struct rk_ldf_work *work, str
     return RK_OK;
 }
 
-/* `values` become the work's. */
-static enum rk_status estimate(struct rk_ldf *ldf, double *values,
+static enum rk_status estimate(struct rk_ldf *ldf, const double *values,
                                const struct rk_ldf_options *options, const struct rk_stream *stream,
                                struct rk_error *err) {
     struct rk_ldf_work *work = ldf->work;
@@ -154,9 +153,9 @@ enum rk_status rk_ldf_estimate_units(struct rk_ldf **out, struct rk_windows *win
     }
     status = take_units(ldf, windows, units, err);
     if (status == RK_OK) {
-        double *values = windows->values;
-        windows->values = NULL;
-        status = estimate(ldf, values, options, stream, err);
+        ldf->work->own = windows->own;
+        windows->own = NULL;
+        status = estimate(ldf, windows->values, options, stream, err);
     }
     if (status == RK_OK) {
         rk_ldf_examine(ldf, windows->first, windows->replicas);
@@ -178,13 +177,13 @@ static struct rk_windows *copy_of(const struct rk_windows *windows) {
         return NULL;
     }
     *copy = *windows;
-    copy->values = rk_array_create(windows->count, sizeof *copy->values);
+    copy->values = copy->own = rk_array_create(windows->count, sizeof *copy->own);
     copy->first = rk_array_create(windows->replicas + 1, sizeof *copy->first);
-    if (!copy->values || !copy->first) {
+    if (!copy->own || !copy->first) {
         rk_windows_free(copy);
         return NULL;
     }
-    memcpy(copy->values, windows->values, windows->count * sizeof *copy->values);
+    memcpy(copy->own, windows->values, windows->count * sizeof *copy->own);
     memcpy(copy->first, windows->first, (windows->replicas + 1) * sizeof *copy->first);
     return copy;
 }
@@ -227,7 +226,7 @@ enum rk_status rk_ldf_estimate(struct rk_ldf **out, const struct rk_series *seri
 
 static void free_work(struct rk_ldf_work *work) {
     if (work) {
-        rk_tilt_clear(&work->tilt);
+        free(work->own);
         rk_units_clear(&work->units);
         free(work->theta);
         free(work->point);

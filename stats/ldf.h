@@ -90,7 +90,8 @@ struct rk_ldf {
     struct rk_ldf_work *work;        /* private: what the functions of the other ldf headers need */
 };
 
-/* Estimate it from a series; the stream (RK_FOR_BOOTSTRAP) is copied, not advanced.
+/* Estimate it from a series, which must stay until rk_ldf_free: windows of one sample are not copied
+ * (rk_windows_create). The stream (RK_FOR_BOOTSTRAP) is copied, not advanced.
  * RK_EREFUSED: no whole window; all windows equal (I is then 0 there and infinite elsewhere, and
  * no interval means anything); fewer than 5 independent units (stats/units.h). RK_EINVALID: options
  * out of range, data not finite, or a k range so wide that k tau A is not a number. */

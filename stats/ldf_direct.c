@@ -22,7 +22,7 @@ static void count_units(struct work *w) {
     const struct rk_tilt *tilt = &w->ldf->tilt;
     for (size_t u = 0; u < tilt->units; u++) {
         for (size_t j = tilt->first[u]; j < tilt->first[u + 1]; j++) {
-            size_t b = rk_histogram_bin(w->histogram, tilt->z[j]);
+            size_t b = rk_histogram_bin(w->histogram, rk_tilt_z(tilt, j));
             if (b < w->histogram->bins) {
                 w->counts[b * tilt->units + u] += 1;
             }
@@ -36,16 +36,13 @@ static double centre_of(const struct rk_histogram *h, size_t b) {
 
 static void find_prefactors(struct work *w) {
     const struct rk_ldf_work *ldf = w->ldf;
-    double ends[2] = {ldf->limit_low, ldf->limit_high};
-    ends[0] = isinf(ends[0]) ? ldf->theta[0] : ends[0];
-    ends[1] = isinf(ends[1]) ? ldf->theta[ldf->points - 1] : ends[1];
+    const struct rk_tilt_place middle = {0, ldf->point[ldf->points / 2].z};
     for (size_t b = 0; b < w->histogram->bins; b++) {
         double z = centre_of(w->histogram, b);
-        double middle = ldf->point[ldf->points / 2].z;
-        double theta = z == middle ? 0 : rk_tilt_of_mean(&ldf->tilt, z, ends[z > middle]);
+        double theta = rk_tilt_of_mean(&ldf->tilt, z, middle, ldf->ends[z > middle.z]);
         w->prefactor[b] = isnan(theta)
                               ? (double)NAN
-                              : 0.5 * log(2 * M_PI * rk_tilt_at(&ldf->tilt, theta, NULL).variance);
+                              : 0.5 * log(2 * M_PI * rk_tilt_at(&ldf->tilt, theta).variance);
     }
 }
 
@@ -196,12 +193,20 @@ enum rk_status rk_ldf_direct_estimate(struct rk_ldf_direct **out, const struct r
     struct rk_histogram_options options = {.bins = bins, .level = ldf->level};
     struct work work = {.ldf = ldf->work};
     struct rk_ldf_direct *d = NULL;
-    status = rk_histogram_create(&work.histogram, tilt->z, NULL, tilt->count, &options, err);
+    double *z = rk_array_create(tilt->count, sizeof *z);
+    if (!z) {
+        return rk_fail(err, RK_EMEMORY, "no memory for %zu windows", tilt->count);
+    }
+    for (size_t j = 0; j < tilt->count; j++) {
+        z[j] = rk_tilt_z(tilt, j);
+    }
+    status = rk_histogram_create(&work.histogram, z, NULL, tilt->count, &options, err);
     if (status == RK_OK && work.histogram->bins > MOST_BINS) {
         options.bins = MOST_BINS;
         rk_histogram_free(work.histogram);
-        status = rk_histogram_create(&work.histogram, tilt->z, NULL, tilt->count, &options, err);
+        status = rk_histogram_create(&work.histogram, z, NULL, tilt->count, &options, err);
     }
+    free(z);
     if (status != RK_OK) {
         return status;
     }

@@ -13,12 +13,14 @@
 /* The estimate at work: everything in standard units (tilt.h) until it is written out. */
 struct rk_ldf_work {
     struct rk_tilt tilt;
+    double *own; /* the windows, unless they are the samples of a series */
     struct rk_units units;
     size_t points;                /* odd; point points / 2 has theta = 0 */
     double *theta;                /* [points] */
     struct rk_tilt_point *point;  /* [points] */
     struct rk_tilt_sums *sums;    /* [points][units] */
     double limit_low, limit_high; /* theta at k_c */
+    struct rk_tilt_place ends[2]; /* at k_c, or at the end of the grid where there is none */
     double zero_z, zero_theta;    /* a = 0: its z, its theta (NaN when outside the limits) */
 };
 
@@ -49,7 +51,7 @@ double rk_curve_rate_at(const struct rk_curve *curve, const struct rk_ldf *ldf, 
 struct rk_tails rk_ldf_percentiles(double *row, size_t replicates, struct rk_tails tails,
                                    double estimate);
 
-/* The estimate from window averages, which become its own whatever happens, with units chosen
+/* The estimate from window averages, which are freed whatever happens, with units chosen
  * beforehand, likewise: ldf->work's, or (count 0) to be chosen. Options checked. */
 enum rk_status rk_ldf_estimate_units(struct rk_ldf **out, struct rk_windows *windows,
                                      struct rk_units *units, const struct rk_ldf_options *options,

@@ -4,6 +4,7 @@
 #include "base/memory.h"
 #include "stats/ldf_internal.h"
 #include "stats/ldf_limit_internal.h"
+#include "stats/series.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -37,17 +38,23 @@ static enum rk_status sort_windows(uint64_t *sorted, const uint64_t *windows, si
 }
 
 /* Forget the windows of replicas in which `longest` has none. */
-static void drop_short_replicas(struct rk_windows *w, const struct rk_windows *longest) {
+static enum rk_status drop_short_replicas(struct rk_windows *w, const struct rk_windows *longest,
+                                          struct rk_error *err) {
+    enum rk_status status = rk_windows_own(w, err);
+    if (status != RK_OK) {
+        return status;
+    }
     size_t filled = 0;
     for (size_t r = 0; r < w->replicas; r++) {
         size_t begin = w->first[r], count = w->first[r + 1] - begin;
         w->first[r] = filled;
         if (longest->first[r + 1] > longest->first[r]) {
-            memmove(w->values + filled, w->values + begin, count * sizeof *w->values);
+            memmove(w->own + filled, w->own + begin, count * sizeof *w->own);
             filled += count;
         }
     }
     w->first[w->replicas] = w->count = filled;
+    return RK_OK;
 }
 
 /* Units of windows of length `window` that cover the time of `units`, units of those of length
@@ -130,8 +137,11 @@ static enum rk_status estimate_shorter(struct rk_ldf **out, const struct plan *p
     if (status != RK_OK) {
         return status;
     }
-    drop_short_replicas(windows, plan->windows);
-    status = follow_units(&units, windows, window, &plan->units, plan->windows, plan->longest, err);
+    status = drop_short_replicas(windows, plan->windows, err);
+    if (status == RK_OK) {
+        status =
+            follow_units(&units, windows, window, &plan->units, plan->windows, plan->longest, err);
+    }
     if (status != RK_OK) {
         rk_windows_free(windows);
         return status;

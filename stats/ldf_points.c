@@ -44,9 +44,9 @@ static enum rk_status lay_grid(struct rk_ldf *ldf, struct rk_ldf_work *work,
     for (size_t i = 0; i < work->points; i++) {
         double share = ((double)i - (double)half) / (double)half;
         work->theta[i] = share < 0 ? -share * low : share * high;
-        work->point[i] = rk_tilt_at(&work->tilt, work->theta[i], work->sums + i * ldf->units);
         ldf->k[i] = work->theta[i] / unit;
     }
+    rk_tilt_along(&work->tilt, work->theta, half, work->point, work->sums);
     return RK_OK;
 }
 
@@ -89,6 +89,18 @@ static double to_mean(const struct rk_ldf_work *work, double z) {
     return work->tilt.centre + work->tilt.scale * z;
 }
 
+/* Down and up. */
+static void find_ends(struct rk_ldf_work *work) {
+    const double limits[2] = {work->limit_low, work->limit_high};
+    for (size_t side = 0; side < 2; side++) {
+        size_t last = side == 0 ? 0 : work->points - 1;
+        work->ends[side] =
+            isinf(limits[side])
+                ? (struct rk_tilt_place){work->theta[last], work->point[last].z}
+                : (struct rk_tilt_place){limits[side], rk_tilt_at(&work->tilt, limits[side]).z};
+    }
+}
+
 static void fill_points(struct rk_ldf *ldf, const struct rk_ldf_work *work) {
     for (size_t i = 0; i < ldf->points; i++) {
         ldf->mean[i] = to_mean(work, work->point[i].z);
@@ -108,9 +120,8 @@ static void fill_points(struct rk_ldf *ldf, const struct rk_ldf_work *work) {
     }
     const struct rk_tilt *tilt = &work->tilt;
     bool bottom = isinf(work->limit_low), top = isinf(work->limit_high);
-    ldf->point_low =
-        bottom ? tilt->least : to_mean(work, rk_tilt_at(tilt, work->limit_low, NULL).z);
-    ldf->point_high = top ? tilt->most : to_mean(work, rk_tilt_at(tilt, work->limit_high, NULL).z);
+    ldf->point_low = bottom ? tilt->least : to_mean(work, work->ends[0].z);
+    ldf->point_high = top ? tilt->most : to_mean(work, work->ends[1].z);
 }
 
 /* The minimum, the curvature there, and the rate at a = 0. */
@@ -127,15 +138,12 @@ static void fill_scalars(struct rk_ldf *ldf, struct rk_ldf_work *work) {
     ldf->at_zero_verdict = RK_REFUSED;
 
     work->zero_z = -tilt->centre / tilt->scale;
-    double limit = work->zero_z > middle->z ? work->limit_high : work->limit_low;
-    if (isinf(limit)) {
-        limit = limit > 0 ? work->theta[work->points - 1] : work->theta[0];
-    }
-    work->zero_theta = work->zero_z == middle->z ? 0 : rk_tilt_of_mean(tilt, work->zero_z, limit);
+    work->zero_theta = rk_tilt_of_mean(tilt, work->zero_z, (struct rk_tilt_place){0, middle->z},
+                                       work->ends[work->zero_z > middle->z]);
     if (isnan(work->zero_theta)) {
         return;
     }
-    struct rk_tilt_point point = rk_tilt_at(tilt, work->zero_theta, NULL);
+    struct rk_tilt_point point = rk_tilt_at(tilt, work->zero_theta);
     ldf->at_zero.estimate = fmax(point.j, 0) / ldf->tau;
     ldf->at_zero.n_eff = point.n_eff;
     ldf->at_zero_verdict =
@@ -149,6 +157,7 @@ enum rk_status rk_ldf_fill_points(struct rk_ldf *ldf, const struct rk_ldf_option
     find_limits(ldf, work, reach);
     enum rk_status status = lay_grid(ldf, work, options, reach, err);
     if (status == RK_OK) {
+        find_ends(work);
         fill_points(ldf, work);
         fill_scalars(ldf, work);
     }

@@ -44,7 +44,7 @@ static void find_weights(double *w, const double *table, size_t points, size_t r
 static void count_sides(struct rk_ldf_symmetry *s, const struct rk_ldf_work *work) {
     double zero = 8 * DBL_EPSILON * (1 + fabs(work->zero_z));
     for (size_t j = 0; j < work->tilt.count; j++) {
-        double z = work->tilt.z[j] - work->zero_z;
+        double z = rk_tilt_z(&work->tilt, j) - work->zero_z;
         s->below += z < -zero;
         s->above += z > zero;
     }

@@ -17,10 +17,10 @@ static void add(struct moments *moments, double x) {
     moments->m2 += d * (x - moments->mean);
 }
 
-static double mean_of(const double *z, size_t begin, size_t end) {
+static double mean_of(const struct rk_tilt *tilt, size_t begin, size_t end) {
     double sum = 0;
     for (size_t j = begin; j < end; j++) {
-        sum += z[j];
+        sum += rk_tilt_z(tilt, j);
     }
     return sum / (double)(end - begin);
 }
@@ -34,13 +34,13 @@ static double in_errors(double difference, double variance) {
 
 /* Each replica's second half minus its first (a middle window belongs to neither): the mean over
  * replicas in units of its standard error. NaN with fewer than two replicas of two windows. */
-static double drift_of_replicas(const double *z, const size_t *first, size_t replicas) {
+static double drift_of_replicas(const struct rk_tilt *tilt, const size_t *first, size_t replicas) {
     struct moments difference = {0, 0, 0};
     for (size_t r = 0; r < replicas; r++) {
         size_t n = first[r + 1] - first[r];
         if (n >= 2) {
-            add(&difference, mean_of(z, first[r + 1] - n / 2, first[r + 1]) -
-                                 mean_of(z, first[r], first[r] + n / 2));
+            add(&difference, mean_of(tilt, first[r + 1] - n / 2, first[r + 1]) -
+                                 mean_of(tilt, first[r], first[r] + n / 2));
         }
     }
     if (difference.n < 2) {
@@ -50,12 +50,12 @@ static double drift_of_replicas(const double *z, const size_t *first, size_t rep
 }
 
 /* The same for one replica, with the scatter of the block means within each half. */
-static double drift_of_blocks(const double *z, const size_t *first, size_t blocks) {
+static double drift_of_blocks(const struct rk_tilt *tilt, const size_t *first, size_t blocks) {
     struct moments early = {0, 0, 0}, late = {0, 0, 0};
     for (size_t b = 0; b < blocks / 2; b++) {
-        add(&early, mean_of(z, first[b], first[b + 1]));
+        add(&early, mean_of(tilt, first[b], first[b + 1]));
         size_t other = blocks - 1 - b;
-        add(&late, mean_of(z, first[other], first[other + 1]));
+        add(&late, mean_of(tilt, first[other], first[other + 1]));
     }
     if (early.n < 2) {
         return NAN;
@@ -66,15 +66,20 @@ static double drift_of_blocks(const double *z, const size_t *first, size_t block
 
 void rk_ldf_examine(struct rk_ldf *ldf, const size_t *replica_first, size_t replicas) {
     const struct rk_ldf_work *work = ldf->work;
-    const double *z = work->tilt.z;
-    ldf->drift = ldf->blocks ? drift_of_blocks(z, work->units.first, ldf->units)
-                             : drift_of_replicas(z, replica_first, replicas);
+    const struct rk_tilt *tilt = &work->tilt;
+    ldf->drift = ldf->blocks ? drift_of_blocks(tilt, work->units.first, ldf->units)
+                             : drift_of_replicas(tilt, replica_first, replicas);
     /* z has mean 0 and variance 1, so that the mean product of neighbours is their correlation. */
     double sum = 0, pairs = 0;
     for (size_t r = 0; r < replicas; r++) {
-        for (size_t j = replica_first[r] + 1; j < replica_first[r + 1]; j++) {
-            sum += z[j] * z[j - 1];
-            pairs++;
+        double last = NAN;
+        for (size_t j = replica_first[r]; j < replica_first[r + 1]; j++) {
+            double z = rk_tilt_z(tilt, j);
+            if (j > replica_first[r]) {
+                sum += z * last;
+                pairs++;
+            }
+            last = z;
         }
     }
     ldf->lag_one = pairs > 0 ? sum / pairs : (double)NAN;

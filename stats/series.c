@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 const char *rk_verdict_name(enum rk_verdict verdict) {
     switch (verdict) {
@@ -102,13 +103,44 @@ static size_t fill_windows(struct rk_windows *windows, const struct rk_series *s
     for (size_t r = 0; r < series->replicas; r++) {
         for (size_t j = windows->first[r]; j < windows->first[r + 1]; j++) {
             size_t start = from + (j - windows->first[r]) * window;
-            windows->values[j] = rk_series_average(series, mode, r, start, window);
-            if (!isfinite(windows->values[j])) {
+            windows->own[j] = rk_series_average(series, mode, r, start, window);
+            if (!isfinite(windows->own[j])) {
                 return r;
             }
         }
     }
     return series->replicas;
+}
+
+/* The samples of the time that is used, if they follow each other without a gap; NULL otherwise. */
+static const double *view_of(const struct rk_windows *windows, const struct rk_series *series,
+                             size_t from) {
+    const double *start = NULL;
+    for (size_t r = 0; r < series->replicas; r++) {
+        const double *x = series->data + r * series->stride + from;
+        if (windows->first[r + 1] == windows->first[r]) {
+            continue;
+        }
+        if (!start) { /* nothing lies before the first replica that has windows */
+            start = x;
+        } else if (x != start + windows->first[r]) {
+            return NULL;
+        }
+    }
+    return start;
+}
+
+enum rk_status rk_windows_own(struct rk_windows *windows, struct rk_error *err) {
+    if (windows->own) {
+        return RK_OK;
+    }
+    windows->own = rk_array_create(windows->count, sizeof *windows->own);
+    if (!windows->own) {
+        return rk_fail(err, RK_EMEMORY, "no memory for %zu windows", windows->count);
+    }
+    memcpy(windows->own, windows->values, windows->count * sizeof *windows->own);
+    windows->values = windows->own;
+    return RK_OK;
 }
 
 enum rk_status rk_windows_create(struct rk_windows **out, const struct rk_series *series,
@@ -135,13 +167,16 @@ enum rk_status rk_windows_create(struct rk_windows **out, const struct rk_series
         first[r + 1] = first[r] + rk_series_span(series, mode, r, from, to) / window;
     }
     windows->count = first[series->replicas];
-    windows->values = rk_array_create(windows->count, sizeof *windows->values);
+    bool samples = window == 1 && mode == RK_SERIES_RATE;
+    windows->values = samples ? view_of(windows, series, from) : NULL;
     size_t bad;
     if (windows->count == 0) {
         status = rk_fail_about(err, RK_EREFUSED, "window",
                                "no replica holds a whole window of %zu samples after sample %zu",
                                window, from);
-    } else if (!windows->values) {
+    } else if (windows->values) {
+        status = RK_OK; /* they are there */
+    } else if (!(windows->own = rk_array_create(windows->count, sizeof *windows->own))) {
         status = rk_fail(err, RK_EMEMORY, "no memory for %zu windows", windows->count);
     } else if ((bad = fill_windows(windows, series, mode, window, from)) < series->replicas) {
         status = rk_fail(err, RK_EINVALID,
@@ -151,15 +186,16 @@ enum rk_status rk_windows_create(struct rk_windows **out, const struct rk_series
     }
     if (status != RK_OK) {
         rk_windows_free(windows);
-        windows = NULL;
+        return status;
     }
+    windows->values = windows->own ? windows->own : windows->values;
     *out = windows;
     return status;
 }
 
 void rk_windows_free(struct rk_windows *windows) {
     if (windows) {
-        free(windows->values);
+        free(windows->own);
         free(windows->first);
         free(windows);
     }

@@ -19,4 +19,7 @@ enum rk_status rk_series_check(const struct rk_series *series, enum rk_series_mo
 double rk_series_average(const struct rk_series *series, enum rk_series_mode mode, size_t r,
                          size_t start, size_t count);
 
+/* Give windows that are samples of a series an array of their own. */
+enum rk_status rk_windows_own(struct rk_windows *windows, struct rk_error *err);
+
 #endif

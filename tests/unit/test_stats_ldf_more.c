@@ -35,6 +35,95 @@ static void fill_quantiles(double *x, size_t replicas, size_t samples, double me
     }
 }
 
+/* ---- The sums ------------------------------------------------------------------------------- */
+
+/* The point at k by a sum of long doubles, each exponential by itself. */
+struct direct {
+    long double log_mean, mean, n_eff, extreme;
+};
+
+static struct direct sum_directly(const double *x, size_t count, long double weight) {
+    long double s0 = 0, s1 = 0, q = 0, extreme = x[0];
+    for (size_t j = 0; j < count; j++) {
+        extreme = (weight >= 0) == (x[j] > extreme) ? x[j] : extreme;
+    }
+    for (size_t j = 0; j < count; j++) {
+        long double d = x[j] - extreme, e = expl(weight * d);
+        s0 += e;
+        s1 += e * d;
+        q += e * e;
+    }
+    return (struct direct){weight * extreme + logl(s0 / (long double)count), extreme + s1 / s0,
+                           s0 * s0 / q, extreme};
+}
+
+/* What rounding may do to a point. */
+struct allowance {
+    double weight, log_mean, mean, rate; /* relative, of ln, of the mean, of tau rate */
+};
+
+/* In roundings u = 2^-53, with w = |k tau| times the range of the windows: a weight errs by 47 + 4
+ * w (tilt.c), by 16 w more because standardising a window and dividing theta by its unit round
+ * numbers of that range eight times at most on either side; a sum of parts of one sign by as many
+ * additions as stand one behind the other, 128 in a lane of a block, 3 blocks, 20 replicas and a
+ * few. Let e be all that. ln errs by e and some w, a mean distance from the extreme by 2 e of
+ * itself and 16 of the range, (sum)^2/sum of squares by 6 e. */
+static struct allowance allow(const struct direct *d, double w, double range, double top) {
+    const double u = 0x1p-53;
+    double e = (47 + 128 + 3 + 20 + 10 + 20 * w) * u, per_unit = w / range;
+    struct allowance a = {.weight = e};
+    a.mean = 2 * e * fabs((double)(d->mean - d->extreme)) + 16 * u * range + 4 * u * top;
+    a.log_mean = e + 4 * u * w + 8 * u * per_unit * top;
+    a.rate = a.log_mean + per_unit * a.mean;
+    return a;
+}
+
+/* Replicas of 1301 windows: two whole blocks and one that no lane divides; 121 points: a weight is
+ * renewed three times a side. Where k ends, tau rate is ln L - sqrt((4/pi) ln L); the search ends
+ * within 1e-14 of k, by which tau rate changes k d/dk (tau rate) = theta^2 F'' times as much, about
+ * 2 ln L for Gaussian windows and less where they end. */
+static void points_agree_with_a_direct_sum(void **state) {
+    (void)state;
+    enum { R = 20, N = 1301, L = R * N };
+    static double x[L];
+    const double tau = 0.7, target = log(L) - sqrt(4 / M_PI * log(L));
+    struct rk_ldf_options options = standard;
+    options.points = 121;
+    gsl_rng *rng = rng_of(77);
+    for (int turn = 0; turn < 2; turn++) { /* symmetric, then leaning and far from 0 */
+        double low = INFINITY, high = -INFINITY;
+        for (size_t j = 0; j < L; j++) {
+            x[j] = turn == 0 ? gsl_ran_gaussian_ziggurat(rng, 1) : 30 + gsl_ran_gamma(rng, 4, 0.5);
+            low = fmin(low, x[j]);
+            high = fmax(high, x[j]);
+        }
+        double range = high - low, top = fmax(fabs(low), fabs(high));
+        struct rk_ldf *ldf = estimate(x, R, N, tau, &options);
+        for (size_t i = 0; i < ldf->points; i++) {
+            long double theta = (long double)ldf->k[i] * tau;
+            struct direct d = sum_directly(x, L, theta);
+            struct allowance most = allow(&d, fabs((double)theta) * range, range, top);
+            assert_true(fabs((double)(ldf->mean[i] - d.mean)) <= most.mean);
+            assert_true(fabs((double)(ldf->n_eff[i] / d.n_eff - 1)) <= 6 * most.weight);
+            if (ldf->verdict[i] != RK_REFUSED) {
+                double rate = (double)(theta * d.mean - d.log_mean);
+                assert_true(fabs((double)(ldf->lambda[i] * tau - d.log_mean)) <= most.log_mean);
+                assert_true(fabs(ldf->rate[i] * tau - rate) <= most.rate);
+            }
+        }
+        const double ends[2] = {ldf->k_low, ldf->k_high};
+        for (int side = 0; side < 2; side++) {
+            long double theta = (long double)ends[side] * tau;
+            struct direct d = sum_directly(x, L, theta);
+            struct allowance most = allow(&d, fabs((double)theta) * range, range, top);
+            double reached = (double)(theta * d.mean - d.log_mean);
+            assert_true(fabs(reached - target) <= most.rate + 1e-14 * 2 * log(L));
+        }
+        rk_ldf_free(ldf);
+    }
+    gsl_rng_free(rng);
+}
+
 /* ---- Processes in time ---------------------------------------------------------------------- */
 
 /* The share of time a chain spends in state 1, 0 -> 1 at the rate a, 1 -> 0 at b, as its integral
@@ -535,6 +624,7 @@ static void extremes_are_answered_or_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(points_agree_with_a_direct_sum),
         cmocka_unit_test(occupation_of_a_two_state_chain),
         cmocka_unit_test(square_of_ornstein_uhlenbeck),
         cmocka_unit_test(windows_of_ornstein_uhlenbeck),
