@@ -87,20 +87,28 @@ static void headline(const struct rk_result *result, FILE *out) {
     fprintf(out, "%s", choice_name((enum rk_pdf_choice)rk_result_number(result, "choice")));
 }
 
-/* A legend with the exponent and its interval. */
-static void write_curve(const struct rk_panel *panel, const char *column, const char *shape,
+/* The curve of a fit with its exponent and interval. `form` is its shape in gnuplot, for
+ * s = [(x-m)/scale]^2, p the exponent and c the density at the centre m. */
+static void write_curve(const struct rk_panel *panel, size_t family, const char *form,
                         const char *what, const char *style, FILE *out) {
-    char low[8], high[8];
+    const struct rk_pdf_family *f = rk_pdf_families[family];
+    const char *shape = f->shape;
+    char low[8], high[8], scale[16], centre[16];
     snprintf(low, sizeof low, "%s_low", shape);
     snprintf(high, sizeof high, "%s_high", shape);
-    double x = rk_result_number(panel->result, shape);
-    if (isnan(x)) {
+    snprintf(scale, sizeof scale, "%s_scale", shape);
+    snprintf(centre, sizeof centre, "%s_location", shape);
+    const struct rk_result *r = panel->result;
+    const struct rk_pdf_curve curve = {f, rk_result_number(r, centre), rk_result_number(r, scale),
+                                       rk_result_number(r, shape)};
+    if (isnan(curve.shape)) {
         return;
     }
     fprintf(out,
-            ", \\\n  \"%s\" using \"x\":\"%s\" with lines %s title \"%s, %s = %.3g [%.3g, %.3g]\"",
-            panel->file, column, style, what, shape, x, rk_result_number(panel->result, low),
-            rk_result_number(panel->result, high));
+            ", \\\n  p = %.17g, c = %.17g, s(x) = ((x - (%.17g))/%.17g)**2, %s with lines %s title "
+            "\"%s, %s = %.3g [%.3g, %.3g]\"",
+            curve.shape, rk_pdf_density(&curve, curve.location), curve.location, curve.scale, form,
+            style, what, shape, curve.shape, rk_result_number(r, low), rk_result_number(r, high));
 }
 
 /* The least density that a bin can show: a curve below it would only stretch the axis. */
@@ -114,15 +122,20 @@ static double floor_of(const struct rk_result *result) {
 }
 
 static void picture(const struct rk_picture *p, FILE *out) {
-    char xlabel[160];
-    snprintf(xlabel, sizeof xlabel, "%s",
-             p->quantity ? p->quantity : "vertical velocity of the intruder [sqrt(g d)]");
+    char xlabel[160], ylabel[80] = "probability density";
+    const struct rk_value *x = rk_result_find(p->panels[0].result, "x");
+    rk_plot_label(xlabel, sizeof xlabel,
+                  p->quantity ? p->quantity : "vertical velocity of the intruder", &p->panels[0],
+                  "x");
+    if (x && x->unit[0] != '\0') {
+        snprintf(ylabel, sizeof ylabel, "probability density [1/%s]", x->unit);
+    }
     rk_plot_begin_panels(p, xlabel, out);
     fprintf(out, "set logscale y\nset format y \"10^{%%T}\"\nset key below vertical height 1.2 "
-                 "font \",12\"\n");
+                 "font \",12\"\nset samples 1001\n");
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
-        rk_plot_panel(p, i, "probability density", out);
+        rk_plot_panel(p, i, ylabel, out);
         fprintf(out,
                 "set title \"%s\" noenhanced\nset yrange [%.3g:*]\n"
                 "plot \"%s\" using \"x\":(column(\"density\") > 0 ? column(\"density\") : NaN):"
@@ -131,9 +144,11 @@ static void picture(const struct rk_picture *p, FILE *out) {
                 "\"samples, %g %% intervals\"",
                 panel->point, floor_of(panel->result), panel->file, floor_of(panel->result),
                 100 * rk_result_number(panel->result, "level"));
-        write_curve(panel, "q_gaussian", "q", "q-Gaussian", "linewidth 2 linecolor rgb \"#0072b2\"",
-                    out);
-        write_curve(panel, "stretched", "b", "stretched exponential",
+        write_curve(panel, 0,
+                    "(p == 1 ? c*exp(-s(x)) : 1 + (p - 1)*s(x) > 0 ? "
+                    "c*(1 + (p - 1)*s(x))**(-1/(p - 1)) : NaN)",
+                    "q-Gaussian", "linewidth 2 linecolor rgb \"#0072b2\"", out);
+        write_curve(panel, 1, "c*exp(-s(x)**(p/2))", "stretched exponential",
                     "linewidth 2 dashtype 2 linecolor rgb \"#d55e00\"", out);
         fprintf(out, "\n");
     }

@@ -78,7 +78,8 @@ static void add_curve(struct rk_result *result, const char *name, const char *do
     rk_result_column(result, name, unit, doc, pdf->bins, x);
 }
 
-static void fill_columns(struct rk_result *result, const struct rk_pdf *pdf, double level) {
+static void fill_columns(struct rk_result *result, const struct rk_pdf *pdf, double level,
+                         const char *unit) {
     double *x = rk_array_create(pdf->bins, sizeof *x);
     double z = gsl_cdf_ugaussian_Pinv(0.5 + 0.5 * level);
     if (!x) {
@@ -88,7 +89,7 @@ static void fill_columns(struct rk_result *result, const struct rk_pdf *pdf, dou
     for (size_t b = 0; b < pdf->bins; b++) {
         x[b] = 0.5 * pdf->edge[b] + 0.5 * pdf->edge[b + 1];
     }
-    rk_result_column(result, "x", "", "middle of the bin", pdf->bins, x);
+    rk_result_column(result, "x", unit, "middle of the bin", pdf->bins, x);
     rk_result_column(result, "density", "", "share of the samples in it over its width", pdf->bins,
                      pdf->density);
     for (int sign = -1; sign <= 1; sign += 2) {
@@ -156,7 +157,7 @@ enum rk_status rk_pdf_result(struct rk_result *result, const struct rk_pdf_reque
     for (size_t f = 0; f < RK_PDF_FAMILIES; f++) {
         fill_fit(result, &pdf->fit[f], &names[0][f], f, request->unit);
     }
-    fill_columns(result, pdf, options.level);
+    fill_columns(result, pdf, options.level, request->unit);
     for (int side = RK_PDF_LEFT; status == RK_OK && request->sides && side <= RK_PDF_RIGHT;
          side++) {
         struct rk_pdf *half;
@@ -243,7 +244,7 @@ enum rk_status rk_pdf_counts_result(struct rk_result *result, const struct rk_pd
         rk_result_scalar(result, "samples", "", "sum of the counts", pdf->n_eff);
         rk_result_scalar(result, "level", "", "probability that an interval is to cover",
                          options->level);
-        fill_columns(result, pdf, options->level);
+        fill_columns(result, pdf, options->level, "");
     }
     rk_pdf_free(pdf);
     return status;

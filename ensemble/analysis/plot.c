@@ -45,12 +45,22 @@ void rk_plot_begin(const struct rk_picture *picture, bool panels, FILE *out) {
 void rk_plot_begin_panels(const struct rk_picture *picture, const char *xlabel, FILE *out) {
     fprintf(out,
             "set multiplot layout %d,%d title \"%s\" noenhanced\n"
-            "set xlabel \"%s\"\n",
+            "set xlabel \"%s\"\nset xtics font \",12\"\n",
             rows_of(picture), columns_of(picture), picture->title, xlabel);
 }
 
 void rk_plot_panel(const struct rk_picture *picture, size_t i, const char *ylabel, FILE *out) {
     fprintf(out, "set ylabel \"%s\"\n", (int)i % columns_of(picture) == 0 ? ylabel : "");
+}
+
+void rk_plot_label(char *text, size_t size, const char *what, const struct rk_panel *panel,
+                   const char *column) {
+    const struct rk_value *value = rk_result_find(panel->result, column);
+    if (value && value->unit && value->unit[0] != '\0') {
+        snprintf(text, size, "%s [%s]", what, value->unit);
+    } else {
+        snprintf(text, size, "%s", what);
+    }
 }
 
 /* In the child: to the folder, quiet, gnuplot. _exit(127) when it cannot be started. */

@@ -35,6 +35,10 @@ void rk_plot_begin(const struct rk_picture *picture, bool panels, FILE *out);
 void rk_plot_begin_panels(const struct rk_picture *picture, const char *xlabel, FILE *out);
 void rk_plot_panel(const struct rk_picture *picture, size_t i, const char *ylabel, FILE *out);
 
+/* "what [unit]" with the unit of a panel's column, "what" where it has none. */
+void rk_plot_label(char *text, size_t size, const char *what, const struct rk_panel *panel,
+                   const char *column);
+
 /* Run gnuplot on `script`, a name in `folder`. RK_EIO when there is no gnuplot or it fails. */
 enum rk_status rk_plot_run(const char *folder, const char *script, struct rk_error *err);
 

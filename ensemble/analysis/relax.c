@@ -137,7 +137,9 @@ static void headline(const struct rk_result *result, FILE *out) {
 }
 
 static void picture(const struct rk_picture *p, FILE *out) {
-    rk_plot_begin_panels(p, "time since the start", out);
+    char time[64];
+    rk_plot_label(time, sizeof time, "time since the start", &p->panels[0], "elapsed");
+    rk_plot_begin_panels(p, time, out);
     fprintf(out, "set key below height 1.2\n");
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];

@@ -155,14 +155,15 @@ static void picture(const struct rk_picture *p, FILE *out) {
         say(median, sizeof median, r, "median");
         rk_plot_panel(p, i, "share of the replicas that are not there yet", out);
         fprintf(out,
-                "set title \"%s: to %.6g d, median %s periods\" noenhanced\n"
+                "set title \"%s: to %.6g d, median %s%s\" noenhanced\n"
                 "plot \"%s\" using (column(\"time\")):(column(\"below\")):(column(\"time\")):"
                 "(column(\"until\")):(column(\"below_low\")):(column(\"below_high\")) with "
                 "boxxyerror fillcolor rgb \"#c0%s\" title \"%g %% interval\", \\\n"
                 "  \"%s\" using (column(\"time\")):(column(\"below\")):(column(\"until\")-"
                 "column(\"time\")):(0) with vectors nohead linewidth 2.5 linecolor rgb \"#%s\" "
                 "title \"Kaplan and Meier, %.0f of %.0f replicas got there\"",
-                panel->point, rk_result_number(r, "height"), median, panel->file, colour,
+                panel->point, rk_result_number(r, "height"), median,
+                isfinite(rk_result_number(r, "median")) ? " periods" : "", panel->file, colour,
                 100 * rk_result_number(r, "level"), panel->file, colour,
                 rk_result_number(r, "reached"), rk_result_number(r, "replicas"));
         if (isfinite(rk_result_number(r, "mean"))) {
