@@ -56,3 +56,17 @@ const struct rk_param rk_relax_params[RK_RELAX_PARAMS] = {
     TO(rk_relax_options),
     LEVEL(rk_relax_options),
 };
+
+const struct rk_param rk_rise_time_params[RK_RISE_TIME_PARAMS] = {
+    {.name = "height",
+     .type = RK_PARAM_REAL,
+     FIELD(rk_rise_time_options, height),
+     .unit = "d",
+     .value = 10,
+     .low = -1e6,
+     .high = 1e6,
+     .doc = "height above the plate that is to be reached"},
+    FROM(rk_rise_time_options),
+    TO(rk_rise_time_options),
+    LEVEL(rk_rise_time_options),
+};

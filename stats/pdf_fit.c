@@ -13,6 +13,9 @@ double rk_pdf_rising_root(double (*f)(double x, double *slope, void *context), v
     double x = start;
     for (int i = 0; i < 200; i++) {
         double slope, value = f(x, &slope, context);
+        if (value == 0) { /* also where it starts: there is no step that would stay in place */
+            break;
+        }
         if (value > 0) {
             high = x;
         } else {
@@ -25,7 +28,7 @@ double rk_pdf_rising_root(double (*f)(double x, double *slope, void *context), v
         }
         bool done = fabs(next - x) <= tolerance;
         x = next;
-        if (done || value == 0) {
+        if (done) {
             break;
         }
     }

@@ -275,13 +275,15 @@ static enum rk_status estimate(struct rk_resonance *out, struct work *w,
         out->periods = w->data->periods;
         out->replicas = w->data->first[w->data->periods];
         out->fit_p = gsl_cdf_chisq_Q(out->chi_square, (double)out->periods - PARAMS);
+        bool inside = out->position.low >= w->low && out->position.high <= w->high;
         snprintf(out->text, sizeof out->text,
-                 "A peak at %.4g [%.4g, %.4g] from %zu replicas at %zu periods%s.",
+                 "A peak at %.4g [%.4g, %.4g] from %zu replicas at %zu periods%s%s.",
                  out->position.estimate, out->position.low, out->position.high, out->replicas,
                  out->periods,
                  out->fit_p < 0.01 ? "; yet the rates do not have that form (chi squared: p below "
                                      "0.01)"
-                                   : "");
+                                   : "",
+                 inside ? "" : "; its place is not sure: the interval leaves the periods");
     }
     return status;
 }

@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "stats/numeric.h"
+#include "stats/series.h"
 
 #include <gsl/gsl_cdf.h>
 #include <math.h>
@@ -77,12 +78,12 @@ static double first_below(const double *time, const double *curve, size_t count,
 static void say(struct rk_rise_time *out) {
     if (out->events == 0) {
         snprintf(out->text, sizeof out->text,
-                 "none of %zu replicas saw it: if the chance is constant the mean time is longer "
+                 "none of %zu replicas got there: if the chance is constant the mean time is longer "
                  "than %.3g",
                  out->replicas, out->mean.low);
     } else {
         snprintf(out->text, sizeof out->text,
-                 "%zu of %zu replicas saw it, the others count with the time they had; median by "
+                 "%zu of %zu replicas got there, the others count with the time they had; median by "
                  "Kaplan and Meier, mean if the chance is constant in time%s",
                  out->events, out->replicas,
                  isinf(out->median.estimate) ? "; the median is beyond the data" : "");
@@ -145,6 +146,68 @@ enum rk_status rk_rise_time_estimate(struct rk_rise_time **out, const double *ti
         rise = NULL;
     }
     *out = rise;
+    return status;
+}
+
+/* ---- Of series ----------------------------------------------------------------------------- */
+
+static enum rk_status find_passages(const struct rk_series *series,
+                                    const struct rk_rise_time_options *o, double *times, bool *seen,
+                                    size_t *count, struct rk_error *err) {
+    size_t above = 0;
+    *count = 0;
+    for (size_t r = 0; r < series->replicas; r++) {
+        size_t span = rk_series_span(series, RK_SERIES_INTEGRAL, r, o->from, o->to), i = 0;
+        const double *height = series->data + r * series->stride + (span > 0 ? o->from : 0);
+        if (span == 0) {
+            continue;
+        }
+        while (i < span && height[i] < o->height) {
+            i++;
+        }
+        above += i == 0;
+        times[*count] = (double)i;
+        seen[(*count)++] = height[i] >= o->height;
+    }
+    if (*count == 0) {
+        return rk_fail(err, RK_EREFUSED, "no replica has any time after sample %zu",
+                       (size_t)o->from);
+    }
+    if (above > 0) {
+        return rk_fail(
+            err, RK_EREFUSED,
+            "%zu of %zu replicas are at the height %g or above it when the clock starts: "
+            "ask for a greater height",
+            above, *count, o->height);
+    }
+    return RK_OK;
+}
+
+enum rk_status rk_rise_time_first_passage(struct rk_rise_time **out, const struct rk_series *series,
+                                          const struct rk_rise_time_options *options,
+                                          struct rk_error *err) {
+    *out = NULL;
+    enum rk_status status = isfinite(options->height)
+                                ? rk_series_check(series, RK_SERIES_INTEGRAL, (size_t)options->from,
+                                                  (size_t)options->to, err)
+                                : rk_fail_about(err, RK_EINVALID, "height",
+                                                "the height %g is not finite", options->height);
+    if (status != RK_OK) {
+        return status;
+    }
+    double *times = rk_array_create(series->replicas, sizeof *times);
+    bool *seen = rk_array_create(series->replicas, sizeof *seen);
+    size_t count = 0;
+    if (times && seen) {
+        status = find_passages(series, options, times, seen, &count, err);
+    } else {
+        status = rk_fail(err, RK_EMEMORY, "no memory for %zu times", series->replicas);
+    }
+    if (status == RK_OK) {
+        status = rk_rise_time_estimate(out, times, seen, count, options->level, err);
+    }
+    free(times);
+    free(seen);
     return status;
 }
 

@@ -6,10 +6,8 @@
 #include <math.h>
 
 static const struct rk_piece *const analyses[] = {
-    &rk_analysis_rise.piece,
-    &rk_analysis_ldf.piece,
-    &rk_analysis_pdf.piece,
-    &rk_analysis_relax.piece,
+    &rk_analysis_rise.piece,  &rk_analysis_ldf.piece,     &rk_analysis_pdf.piece,
+    &rk_analysis_relax.piece, &rk_analysis_surface.piece,
 };
 
 const struct rk_registry rk_analysis_registry = {"analysis",

@@ -65,12 +65,14 @@ void rk_ldf_draw_curve(const struct rk_picture *p, FILE *out) {
 }
 
 static void write_labels(const struct rk_picture *p, const char *y, const char *value, FILE *out) {
-    char unit[2][64];
+    char a[160], xlabel[160], ylabel[160];
+    snprintf(a, sizeof a, "a, %s", p->quantity ? p->quantity : "window average");
+    rk_plot_label(xlabel, sizeof xlabel, a, &p->panels[0], "a");
+    rk_plot_label(ylabel, sizeof ylabel, y, &p->panels[0], value);
     fprintf(out,
-            "set xlabel \"a, %s%s\" noenhanced\nset ylabel \"%s%s\" noenhanced\n"
+            "set xlabel \"%s\" noenhanced\nset ylabel \"%s\" noenhanced\n"
             "set key below height 1.2\n",
-            p->quantity ? p->quantity : "window average", rk_plot_unit(p, "a", unit[0]), y,
-            rk_plot_unit(p, value, unit[1]));
+            xlabel, ylabel);
 }
 
 /* The limit with its band, and the shortest and the longest windows beside it. */

@@ -2,15 +2,11 @@
  * q-Gaussian and a stretched exponential fitted to it. */
 #include "ensemble/analysis/pdf.h"
 
-#include "base/memory.h"
 #include "ensemble/analysis/plot.h"
 #include "ensemble/analysis/private.h"
 #include "stats/stats.h"
 
-#include <gsl/gsl_cdf.h>
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 struct options {
     uint64_t window, from, to, bootstrap, goodness;
@@ -47,187 +43,10 @@ static enum rk_status check(const void *params, const struct rk_schedule *schedu
     return rk_analysis_check_span(p->from, p->to, schedule, err);
 }
 
-/* ---- Numbers ------------------------------------------------------------------------------- */
-
-/* The names of a fit's scalars; the same for the whole and for either side. */
-struct names {
-    const char *shape[3], *scale[3], *location[3], *resampled[2], *likelihood, *aic, *bic, *ratio_p;
-    const char *inflation, *ks_p, *ad_p, *squares;
-};
-
-#define THREE(x)                                                                                   \
-    { x, x "_low", x "_high" }
-#define NAMES(shape, prefix)                                                                       \
-    {                                                                                              \
-        THREE(shape), THREE(prefix "_scale"), THREE(prefix "_location"),                           \
-            {shape "_resampled_low", shape "_resampled_high"}, prefix "_log_likelihood",           \
-            prefix "_aic", prefix "_bic", prefix "_gaussian_p", prefix "_inflation",               \
-            prefix "_ks_p", prefix "_ad_p", shape "_squares"                                       \
-    }
-
-static const struct names names[3][RK_PDF_FAMILIES] = {
-    {NAMES("q", "q"), NAMES("b", "b")},
-    {NAMES("left_q", "left_q"), NAMES("left_b", "left_b")},
-    {NAMES("right_q", "right_q"), NAMES("right_b", "right_b")},
-};
-
-static const char *const doc_of_shape[RK_PDF_FAMILIES] = {
-    "exponent of the q-Gaussian; 1 is the Gaussian",
-    "exponent of the stretched exponential; 2 is the Gaussian"};
-
-/* What is refused is no number. */
-static void fill_fit(struct rk_result *result, const struct rk_pdf_fit *fit, const struct names *n,
-                     size_t family, const char *unit) {
-    struct rk_interval shape = fit->shape, scale = fit->scale;
-    if (fit->verdict == RK_REFUSED) {
-        shape.estimate = scale.estimate = NAN;
-    }
-    rk_analysis_add_interval(result, n->shape, "", doc_of_shape[family], &shape, 1);
-    rk_analysis_add_interval(result, n->scale, unit,
-                             family == 0 ? "its scale, 1/sqrt(beta)" : "its scale, a", &scale, 1);
-    rk_analysis_add_interval(result, n->location, unit, "its centre", &fit->location, 1);
-    rk_result_scalar(result, n->resampled[0], "", "interval of the exponent by bootstrap",
-                     fit->resampled.low);
-    rk_result_scalar(result, n->resampled[1], "", "likewise", fit->resampled.high);
-    rk_result_scalar(result, n->likelihood, "", "log-likelihood, as if samples were independent",
-                     fit->log_likelihood);
-    rk_result_scalar(result, n->aic, "", "AIC, of independent samples", fit->aic);
-    rk_result_scalar(result, n->bic, "", "BIC, likewise", fit->bic);
-    rk_result_scalar(result, n->ratio_p, "", "likelihood ratio against the Gaussian: probability",
-                     fit->ratio_p);
-    rk_result_scalar(result, n->inflation, "",
-                     "variance of the exponent over that of independent samples", fit->inflation);
-    rk_result_scalar(result, n->ks_p, "", "Kolmogorov-Smirnov: probability", fit->ks_p);
-    rk_result_scalar(result, n->ad_p, "", "Anderson-Darling: probability", fit->ad_p);
-    rk_result_scalar(result, n->squares, "",
-                     "exponent by binned least squares: biased, for comparison",
-                     fit->squares.shape);
-}
-
 static const char *choice_name(enum rk_pdf_choice choice) {
     static const char *const words[] = {"undecided", "q-gaussian", "stretched", "gaussian",
                                         "neither"};
     return words[choice];
-}
-
-/* The density of a fit at the bins' middles. */
-static void add_curve(struct rk_result *result, const char *name, const char *doc, const char *unit,
-                      const struct rk_pdf *pdf, size_t family, double *x) {
-    const struct rk_pdf_fit *fit = &pdf->fit[family];
-    struct rk_pdf_curve curve = {fit->family, fit->location.estimate, fit->scale.estimate,
-                                 fit->shape.estimate};
-    for (size_t b = 0; b < pdf->bins; b++) {
-        double middle = 0.5 * pdf->edge[b] + 0.5 * pdf->edge[b + 1];
-        x[b] = fit->verdict == RK_REFUSED ? (double)NAN : rk_pdf_density(&curve, middle);
-    }
-    rk_result_column(result, name, unit, doc, pdf->bins, x);
-}
-
-static void fill_columns(struct rk_result *result, const struct rk_pdf *pdf, double level) {
-    double *x = rk_array_create(pdf->bins, sizeof *x);
-    double z = gsl_cdf_ugaussian_Pinv(0.5 + 0.5 * level);
-    if (!x) {
-        result->short_of_memory = true;
-        return;
-    }
-    for (size_t b = 0; b < pdf->bins; b++) {
-        x[b] = 0.5 * pdf->edge[b] + 0.5 * pdf->edge[b + 1];
-    }
-    rk_result_column(result, "x", "", "middle of the bin", pdf->bins, x);
-    rk_result_column(result, "density", "", "share of the samples in it over its width", pdf->bins,
-                     pdf->density);
-    for (int sign = -1; sign <= 1; sign += 2) {
-        for (size_t b = 0; b < pdf->bins; b++) {
-            x[b] = fmax(pdf->density[b] + sign * z * pdf->error[b], 0);
-        }
-        rk_result_column(result, sign < 0 ? "density_low" : "density_high", "",
-                         sign < 0 ? "lower end of its interval" : "upper end", pdf->bins, x);
-    }
-    rk_result_column(result, "count", "", "samples in the bin", pdf->bins, pdf->count);
-    add_curve(result, "q_gaussian", "the fitted q-Gaussian", "", pdf, 0, x);
-    add_curve(result, "stretched", "the fitted stretched exponential", "", pdf, 1, x);
-    free(x);
-}
-
-static void fill_whole(struct rk_result *result, const struct rk_pdf *pdf, double level) {
-    snprintf(result->verdict, sizeof result->verdict, "%s", pdf->text);
-    const char *word = choice_name(pdf->choice);
-    rk_result_scalar(result, "choice", "",
-                     "0 undecided, 1 q-Gaussian, 2 stretched, 3 Gaussian, 4 neither", pdf->choice);
-    (void)word;
-    rk_result_scalar(result, "vuong", "", "Vuong's z; above 0 the q-Gaussian is nearer",
-                     pdf->vuong);
-    rk_result_scalar(result, "vuong_p", "", "its two-sided probability", pdf->vuong_p);
-    rk_result_scalar(result, "separation_p", "",
-                     "pre-test: probability of the data under the Gaussian, where both meet",
-                     pdf->separation_p);
-    rk_result_scalar(result, "samples", "", "samples", (double)pdf->samples);
-    rk_result_scalar(result, "n_eff", "", "independent samples that the exponents rest on",
-                     pdf->n_eff);
-    rk_result_scalar(result, "units", "", "replicas, or blocks of them, that errors are read from",
-                     (double)pdf->units);
-    rk_result_scalar(result, "correlation_time", "samples", "correlation time",
-                     pdf->correlation_time);
-    rk_result_scalar(result, "level", "", "probability that an interval is to cover", level);
-}
-
-static enum rk_status fit(struct rk_pdf **pdf, const struct rk_pdf_request *r,
-                          const struct rk_pdf_options *options, const struct rk_stream *stream,
-                          struct rk_error *err) {
-    if (r->mode == RK_SERIES_RATE && r->window == 1 && r->from == 0 && r->to == 0) {
-        return rk_pdf_fit_series(pdf, &r->series, options, stream, err);
-    }
-    struct rk_windows *windows;
-    enum rk_status status = rk_windows_create(&windows, &r->series, r->mode, (size_t)r->window,
-                                              (size_t)r->from, (size_t)r->to, err);
-    if (status == RK_OK) {
-        status = rk_pdf_fit_windows(pdf, windows, options, stream, err);
-        rk_windows_free(windows);
-    }
-    return status;
-}
-
-enum rk_status rk_pdf_result(struct rk_result *result, const struct rk_pdf_request *request,
-                             const struct rk_stream *stream, struct rk_error *err) {
-    struct rk_pdf_options options = request->options;
-    struct rk_pdf *pdf;
-    enum rk_status status = fit(&pdf, request, &options, stream, err);
-    if (status != RK_OK) {
-        return status;
-    }
-    fill_whole(result, pdf, options.level);
-    for (size_t f = 0; f < RK_PDF_FAMILIES; f++) {
-        fill_fit(result, &pdf->fit[f], &names[0][f], f, request->unit);
-    }
-    fill_columns(result, pdf, options.level);
-    for (int side = RK_PDF_LEFT; status == RK_OK && request->sides && side <= RK_PDF_RIGHT;
-         side++) {
-        struct rk_pdf *half;
-        options.side = (enum rk_pdf_side)side;
-        status = fit(&half, request, &options, stream, err);
-        for (size_t f = 0; status == RK_OK && f < RK_PDF_FAMILIES; f++) {
-            fill_fit(result, &half->fit[f], &names[side][f], f, request->unit);
-        }
-        rk_pdf_free(status == RK_OK ? half : NULL);
-    }
-    rk_pdf_free(pdf);
-    return status;
-}
-
-void rk_pdf_print(const struct rk_result *result, FILE *out) {
-    static const char *const first[] = {"q", "q_scale", "q_location", "b", "b_scale", "b_location"};
-    static const char *const sides[] = {"left_q", "left_b", "right_q", "right_b"};
-    for (size_t i = 0; i < sizeof first / sizeof *first; i++) {
-        rk_analysis_print_interval(result, first[i], 12, out);
-    }
-    for (size_t i = 0; i < sizeof sides / sizeof *sides; i++) {
-        if (rk_result_find(result, sides[i])) {
-            rk_analysis_print_interval(result, sides[i], 12, out);
-        }
-    }
-    fprintf(out, "%-12s %.6g  AIC of the q-Gaussian less that of the stretched exponential\n",
-            "aic", rk_result_number(result, "q_aic") - rk_result_number(result, "b_aic"));
-    fprintf(out, "%s\n", result->verdict);
 }
 
 /* ---- Of a study ---------------------------------------------------------------------------- */
@@ -268,20 +87,28 @@ static void headline(const struct rk_result *result, FILE *out) {
     fprintf(out, "%s", choice_name((enum rk_pdf_choice)rk_result_number(result, "choice")));
 }
 
-/* A legend with the exponent and its interval. */
-static void write_curve(const struct rk_panel *panel, const char *column, const char *shape,
+/* The curve of a fit with its exponent and interval. `form` is its shape in gnuplot, for
+ * s = [(x-m)/scale]^2, p the exponent and c the density at the centre m. */
+static void write_curve(const struct rk_panel *panel, size_t family, const char *form,
                         const char *what, const char *style, FILE *out) {
-    char low[8], high[8];
+    const struct rk_pdf_family *f = rk_pdf_families[family];
+    const char *shape = f->shape;
+    char low[8], high[8], scale[16], centre[16];
     snprintf(low, sizeof low, "%s_low", shape);
     snprintf(high, sizeof high, "%s_high", shape);
-    double x = rk_result_number(panel->result, shape);
-    if (isnan(x)) {
+    snprintf(scale, sizeof scale, "%s_scale", shape);
+    snprintf(centre, sizeof centre, "%s_location", shape);
+    const struct rk_result *r = panel->result;
+    const struct rk_pdf_curve curve = {f, rk_result_number(r, centre), rk_result_number(r, scale),
+                                       rk_result_number(r, shape)};
+    if (isnan(curve.shape)) {
         return;
     }
     fprintf(out,
-            ", \\\n  \"%s\" using \"x\":\"%s\" with lines %s title \"%s, %s = %.3g [%.3g, %.3g]\"",
-            panel->file, column, style, what, shape, x, rk_result_number(panel->result, low),
-            rk_result_number(panel->result, high));
+            ", \\\n  p = %.17g, c = %.17g, s(x) = ((x - (%.17g))/%.17g)**2, %s with lines %s title "
+            "\"%s, %s = %.3g [%.3g, %.3g]\"",
+            curve.shape, rk_pdf_density(&curve, curve.location), curve.location, curve.scale, form,
+            style, what, shape, curve.shape, rk_result_number(r, low), rk_result_number(r, high));
 }
 
 /* The least density that a bin can show: a curve below it would only stretch the axis. */
@@ -295,16 +122,20 @@ static double floor_of(const struct rk_result *result) {
 }
 
 static void picture(const struct rk_picture *p, FILE *out) {
-    char xlabel[160];
-    snprintf(xlabel, sizeof xlabel, "%s",
-             p->quantity ? p->quantity : "vertical velocity of the intruder [sqrt(g d)]");
+    char xlabel[160], ylabel[80] = "probability density";
+    const struct rk_value *x = rk_result_find(p->panels[0].result, "x");
+    rk_plot_label(xlabel, sizeof xlabel,
+                  p->quantity ? p->quantity : "vertical velocity of the intruder", &p->panels[0],
+                  "x");
+    if (x && x->unit[0] != '\0') {
+        snprintf(ylabel, sizeof ylabel, "probability density [1/%s]", x->unit);
+    }
     rk_plot_begin_panels(p, xlabel, out);
     fprintf(out, "set logscale y\nset format y \"10^{%%T}\"\nset key below vertical height 1.2 "
-                 "font \",12\"\n");
+                 "font \",12\"\nset samples 1001\n");
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
-        rk_plot_panel(
-            p, i, p->quantity ? "probability density" : "probability density [1/sqrt(g d)]", out);
+        rk_plot_panel(p, i, ylabel, out);
         rk_plot_xtics(panel->result, "x", out);
         fprintf(out,
                 "set title \"%s\" noenhanced\nset yrange [%.3g:*]\n"
@@ -314,9 +145,11 @@ static void picture(const struct rk_picture *p, FILE *out) {
                 "\"samples, %g %% intervals\"",
                 panel->point, floor_of(panel->result), panel->file, floor_of(panel->result),
                 100 * rk_result_number(panel->result, "level"));
-        write_curve(panel, "q_gaussian", "q", "q-Gaussian", "linewidth 2 linecolor rgb \"#0072b2\"",
-                    out);
-        write_curve(panel, "stretched", "b", "stretched exponential",
+        write_curve(panel, 0,
+                    "(p == 1 ? c*exp(-s(x)) : 1 + (p - 1)*s(x) > 0 ? "
+                    "c*(1 + (p - 1)*s(x))**(-1/(p - 1)) : NaN)",
+                    "q-Gaussian", "linewidth 2 linecolor rgb \"#0072b2\"", out);
+        write_curve(panel, 1, "c*exp(-s(x)**(p/2))", "stretched exponential",
                     "linewidth 2 dashtype 2 linecolor rgb \"#d55e00\"", out);
         fprintf(out, "\n");
     }

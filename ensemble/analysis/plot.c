@@ -47,21 +47,12 @@ void rk_plot_begin(const struct rk_picture *picture, bool panels, FILE *out) {
 void rk_plot_begin_panels(const struct rk_picture *picture, const char *xlabel, FILE *out) {
     fprintf(out,
             "set multiplot layout %d,%d title \"%s\" noenhanced\n"
-            "set xlabel \"%s\"\n",
+            "set xlabel \"%s\"\nset xtics font \",12\"\n",
             rows_of(picture), columns_of(picture), picture->title, xlabel);
 }
 
 void rk_plot_panel(const struct rk_picture *picture, size_t i, const char *ylabel, FILE *out) {
     fprintf(out, "set ylabel \"%s\"\n", (int)i % columns_of(picture) == 0 ? ylabel : "");
-}
-
-const char *rk_plot_unit(const struct rk_picture *picture, const char *name, char text[64]) {
-    const struct rk_value *value = rk_result_find(picture->panels[0].result, name);
-    text[0] = '\0';
-    if (value && value->unit[0] != '\0') {
-        snprintf(text, 64, " [%s]", value->unit);
-    }
-    return text;
 }
 
 void rk_plot_xtics(const struct rk_result *result, const char *name, FILE *out) {
@@ -80,6 +71,16 @@ void rk_plot_xtics(const struct rk_result *result, const char *name, FILE *out) 
                  : step <= 5 ? 5
                              : 10) *
                     power);
+    }
+}
+
+void rk_plot_label(char *text, size_t size, const char *what, const struct rk_panel *panel,
+                   const char *column) {
+    const struct rk_value *value = rk_result_find(panel->result, column);
+    if (value && value->unit && value->unit[0] != '\0') {
+        snprintf(text, size, "%s [%s]", what, value->unit);
+    } else {
+        snprintf(text, size, "%s", what);
     }
 }
 

@@ -35,12 +35,13 @@ void rk_plot_begin(const struct rk_picture *picture, bool panels, FILE *out);
 void rk_plot_begin_panels(const struct rk_picture *picture, const char *xlabel, FILE *out);
 void rk_plot_panel(const struct rk_picture *picture, size_t i, const char *ylabel, FILE *out);
 
-/* " [unit]" of the value of that name in the first panel, or "". */
-const char *rk_plot_unit(const struct rk_picture *picture, const char *name, char text[64]);
-
 /* Marks of x so far apart that their numbers do not run into each other in a panel, for the column
  * of that name. */
 void rk_plot_xtics(const struct rk_result *result, const char *name, FILE *out);
+
+/* "what [unit]" with the unit of a panel's column, "what" where it has none. */
+void rk_plot_label(char *text, size_t size, const char *what, const struct rk_panel *panel,
+                   const char *column);
 
 /* Run gnuplot on `script`, a name in `folder`. RK_EIO when there is no gnuplot or it fails. */
 enum rk_status rk_plot_run(const char *folder, const char *script, struct rk_error *err);

@@ -41,7 +41,7 @@ struct rk_analysis_methods {
 };
 
 extern const struct rk_analysis rk_analysis_rise, rk_analysis_ldf, rk_analysis_pdf,
-    rk_analysis_relax;
+    rk_analysis_relax, rk_analysis_surface;
 
 /* Add an interval as three scalars: the estimate as names[0], its ends as names[1] and names[2],
  * each times `factor`. */

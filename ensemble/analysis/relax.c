@@ -137,8 +137,8 @@ static void headline(const struct rk_result *result, FILE *out) {
 }
 
 static void picture(const struct rk_picture *p, FILE *out) {
-    char unit[64], xlabel[96];
-    snprintf(xlabel, sizeof xlabel, "time since the start%s", rk_plot_unit(p, "time", unit));
+    char xlabel[64];
+    rk_plot_label(xlabel, sizeof xlabel, "time since the start", &p->panels[0], "elapsed");
     rk_plot_begin_panels(p, xlabel, out);
     fprintf(out, "set key below height 1.2\n");
     for (size_t i = 0; i < p->count; i++) {

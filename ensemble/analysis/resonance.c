@@ -39,16 +39,16 @@ void rk_resonance_print(const struct rk_result *result, FILE *out) {
 }
 
 static void picture(const struct rk_picture *p, FILE *out) {
-    char unit[64], xlabel[96], ylabel[96];
-    snprintf(xlabel, sizeof xlabel, "period of the drive%s", rk_plot_unit(p, "period", unit));
-    snprintf(ylabel, sizeof ylabel, "rate%s", rk_plot_unit(p, "rate", unit));
-    rk_plot_begin_panels(p, xlabel, out);
+    char period[64], rate[64];
+    rk_plot_label(period, sizeof period, "period of the drive", &p->panels[0], "period");
+    rk_plot_label(rate, sizeof rate, "mean rise rate", &p->panels[0], "rate");
+    rk_plot_begin_panels(p, period, out);
     fprintf(out,
             "set key below vertical height 1.2 font \",12\"\nset offsets graph 0.04, graph 0.04\n");
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
         const struct rk_result *r = panel->result;
-        rk_plot_panel(p, i, ylabel, out);
+        rk_plot_panel(p, i, rate, out);
         fprintf(out,
                 "set title \"peak at %.3g [%.3g, %.3g]\" noenhanced\n"
                 "set samples 500\n"

@@ -66,6 +66,10 @@ enum rk_status rk_data_read(struct rk_data *data, const char *operand, struct rk
                             const char *point, const struct rk_data_options *o,
                             struct rk_error *err);
 
+/* Columns of one CSV file, row by row; release each with rk_samples_clear, whatever the status. */
+enum rk_status rk_data_columns(const char *path, const char *const *names,
+                               struct rk_samples *columns, size_t count, struct rk_error *err);
+
 /* The last steps, for a command that reads its data itself: estimate, draw, print. */
 int rk_data_give(const struct rk_data_command *command, const char *operand,
                  const struct rk_data_options *o, const void *options, const struct rk_data *data);

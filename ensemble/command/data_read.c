@@ -238,6 +238,19 @@ static enum rk_status read_folder(const char *folder, struct rk_study *study, co
     return status;
 }
 
+enum rk_status rk_data_columns(const char *path, const char *const *names,
+                               struct rk_samples *columns, size_t count, struct rk_error *err) {
+    enum rk_status status = RK_OK;
+    for (size_t c = 0; c < count; c++) {
+        columns[c] = (struct rk_samples){0};
+    }
+    for (size_t c = 0; status == RK_OK && c < count; c++) {
+        const struct rk_table_request request = {names[c], NULL, 0};
+        status = rk_table_read(path, &request, &columns[c], err);
+    }
+    return status;
+}
+
 enum rk_status rk_data_read(struct rk_data *data, const char *operand, struct rk_study *study,
                             const char *point, const struct rk_data_options *o,
                             struct rk_error *err) {

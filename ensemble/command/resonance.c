@@ -3,7 +3,6 @@
 #include "ensemble/analysis/resonance.h"
 #include "base/memory.h"
 #include "ensemble/command/data.h"
-#include "ensemble/input/table.h"
 #include "stats/stats.h"
 
 #include <errno.h>
@@ -81,12 +80,9 @@ static enum rk_status sort_rows(struct curve *curve, const double *period, const
 
 static enum rk_status read_file(const char *path, const struct resonance_options *o,
                                 struct curve *curve, struct rk_error *err) {
-    const struct rk_table_request wanted[2] = {{o->period, NULL, 0}, {o->rate, NULL, 0}};
-    struct rk_samples columns[2] = {{0}};
-    enum rk_status status = RK_OK;
-    for (int c = 0; status == RK_OK && c < 2; c++) {
-        status = rk_table_read(path, &wanted[c], &columns[c], err);
-    }
+    const char *const wanted[2] = {o->period, o->rate};
+    struct rk_samples columns[2];
+    enum rk_status status = rk_data_columns(path, wanted, columns, 2, err);
     if (status == RK_OK) {
         status = sort_rows(curve, columns[0].values, columns[1].values, columns[0].samples, err);
     }

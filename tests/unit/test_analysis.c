@@ -137,6 +137,35 @@ static void relax_in_its_units(void **state) {
     free(heights);
 }
 
+/* Heights that rise by 1/4 a period from 3 are at 4 after 4 periods; what is watched for 3 is not.
+ */
+static void surface_in_its_units(void **state) {
+    (void)state;
+    enum { ALL = 2 * ROWS };
+    double *heights = rk_array_create(ALL, sizeof *heights);
+    struct rk_rise_time_options params = {.height = 4, .level = 0.95};
+    struct rk_error err = RK_NO_ERROR;
+    struct rk_result result;
+    const size_t lengths[] = {ROWS, 3 * SAMPLES + 1};
+    assert_non_null(heights);
+    for (size_t i = 0; i < ALL; i++) {
+        heights[i] = 3 + 0.25 / SAMPLES * (double)(i % ROWS);
+    }
+    struct rk_series series = {heights, 2, ROWS, ROWS, lengths, 0.4};
+    struct rk_point_data data = data_of(&series);
+    rk_result_init(&result);
+    assert_int_equal(rk_analysis_surface.methods->estimate(&params, &data, &result, &err), RK_OK);
+    assert_true(rk_result_number(&result, "median") == 4);
+    assert_true(rk_result_number(&result, "mean") == 7);
+    assert_true(rk_result_number(&result, "reached") == 1);
+    assert_true(rk_result_number(&result, "replicas") == 2);
+    assert_int_equal(rk_result_rows(&result), 2);
+    const struct rk_value *until = rk_result_find(&result, "until");
+    assert_true(until->numbers[0] == 4 && until->numbers[1] == PERIODS);
+    rk_result_clear(&result);
+    free(heights);
+}
+
 static char *text_of(const struct rk_result *result, bool json) {
     char *text = NULL;
     size_t size = 0;
@@ -192,9 +221,10 @@ static void spans_are_checked(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rise_in_its_units),      cmocka_unit_test(ldf_in_its_units),
-        cmocka_unit_test(pdf_in_its_units),       cmocka_unit_test(relax_in_its_units),
-        cmocka_unit_test(tables_hold_everything), cmocka_unit_test(spans_are_checked),
+        cmocka_unit_test(rise_in_its_units),    cmocka_unit_test(ldf_in_its_units),
+        cmocka_unit_test(pdf_in_its_units),     cmocka_unit_test(relax_in_its_units),
+        cmocka_unit_test(surface_in_its_units), cmocka_unit_test(tables_hold_everything),
+        cmocka_unit_test(spans_are_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

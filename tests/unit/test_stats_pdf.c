@@ -403,6 +403,22 @@ static void weights_are_repetitions(void **state) {
     assert_non_null(strstr(err.message, "sample 3"));
 }
 
+static double line(double x, double *slope, void *context) {
+    (void)context;
+    *slope = 2;
+    return 2 * (x - 1);
+}
+
+/* A search that starts on the root stays there; others come to it. */
+static void roots_are_kept(void **state) {
+    (void)state;
+    static const double starts[] = {1, 0.5, 100};
+    for (size_t i = 0; i < 3; i++) {
+        double x = rk_pdf_rising_root(line, NULL, starts[i], -INFINITY, INFINITY, 3, 1e-12);
+        assert_true(fabs(x - 1) < 1e-12);
+    }
+}
+
 /* Binning on a grid far finer than the scale loses nothing; on one as wide as the scale the
  * estimate stays within the interval of the samples, where a fit to midpoints would not. */
 static void histograms_as_input(void **state) {
@@ -544,6 +560,7 @@ int main(void) {
         cmocka_unit_test(any_magnitude),
         cmocka_unit_test(what_cannot_be_fitted_is_refused_in_words),
         cmocka_unit_test(weights_are_repetitions),
+        cmocka_unit_test(roots_are_kept),
         cmocka_unit_test(histograms_as_input),
         cmocka_unit_test(sides_apart),
         cmocka_unit_test(correlated_samples_widen_the_interval),

@@ -146,6 +146,37 @@ static void no_event_is_information_too(void **state) {
     assert_int_equal(rk_rise_time_estimate(&rise, bad, seen, 0, 0.95, &err), RK_EINVALID);
 }
 
+/* Three series by hand, level 2, watched from sample 1 on: the first is there after 2 intervals,
+ * the second never in its 4, the third never in its 2. Times add up to 8, with one event. */
+static void first_passage_by_hand(void **state) {
+    (void)state;
+    enum { SAMPLES = 6 };
+    const double x[3 * SAMPLES] = {5, 0, 1, 2, 0, 3, /**/ 0, 1, 1.9, 1, 1, 1, /**/ 0, 0, 1, 1.5};
+    const size_t lengths[] = {6, 6, 4};
+    const struct rk_series series = {x, 3, SAMPLES, SAMPLES, lengths, 0.5};
+    struct rk_rise_time_options passage = {.height = 2, .from = 1, .level = 0.95};
+    struct rk_rise_time *rise;
+    struct rk_error err = RK_NO_ERROR;
+    assert_int_equal(rk_rise_time_first_passage(&rise, &series, &passage, NULL), RK_OK);
+    assert_int_equal(rise->replicas, 3);
+    assert_int_equal(rise->events, 1);
+    assert_true(rise->time[0] == 2 && fabs(rise->survival[0] - 2.0 / 3) < 1e-15);
+    assert_true(fabs(rise->mean.estimate - 8) < 1e-14);
+    rk_rise_time_free(rise);
+    passage.to = 2; /* one interval each, before anything happens */
+    assert_int_equal(rk_rise_time_first_passage(&rise, &series, &passage, NULL), RK_OK);
+    assert_true(rise->events == 0 && rise->steps == 0);
+    rk_rise_time_free(rise);
+    passage.from = 0;
+    assert_int_equal(rk_rise_time_first_passage(&rise, &series, &passage, &err), RK_EREFUSED);
+    assert_non_null(strstr(err.message, "1 of 3 replicas are at the height 2 or above it"));
+    passage = (struct rk_rise_time_options){.height = NAN, .level = 0.95};
+    assert_int_equal(rk_rise_time_first_passage(&rise, &series, &passage, &err), RK_EINVALID);
+    passage = (struct rk_rise_time_options){.height = 2, .from = 5, .level = 0.95};
+    assert_int_equal(rk_rise_time_first_passage(&rise, &series, &passage, &err), RK_EREFUSED);
+    assert_null(rise);
+}
+
 /* 400 ensembles of 20 exponential times cut at 1.2 means: the exact answer of chi^2 is for a fixed
  * number of events, with a fixed time it errs to the wide side; 363 is four deviations below 380.
  */
@@ -173,11 +204,9 @@ static void mean_of_censored_times_covers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_peak_without_noise),
-        cmocka_unit_test(intervals_cover),
-        cmocka_unit_test(what_has_no_peak_is_refused),
-        cmocka_unit_test(censored_times_by_hand),
-        cmocka_unit_test(no_event_is_information_too),
+        cmocka_unit_test(a_peak_without_noise),          cmocka_unit_test(intervals_cover),
+        cmocka_unit_test(what_has_no_peak_is_refused),   cmocka_unit_test(censored_times_by_hand),
+        cmocka_unit_test(no_event_is_information_too),   cmocka_unit_test(first_passage_by_hand),
         cmocka_unit_test(mean_of_censored_times_covers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
