@@ -32,13 +32,16 @@ struct rk_worker;
 
 /* Open the folder of a plan for work: made if it is not there, refused (RK_ECONFLICT) if it holds
  * another plan, or anything that is not a study. A plan.h5 that is gone or damaged is written
- * again where runs of the plan prove whose folder it is, and refused (RK_EFORMAT when damaged)
- * where none does. While the store is open this program counts as at work in the folder. */
+ * again where runs of the plan, or the study.yaml beside a damaged one, prove whose folder it is,
+ * and refused (RK_EFORMAT when damaged) where nothing does. While the store is open this program
+ * counts as at work in the folder. */
 enum rk_status rk_store_open(const char *folder, const struct rk_plan *plan,
                              struct rk_store **store, struct rk_error *err);
 void rk_store_close(struct rk_store *store);
 
 const char *rk_store_folder(const struct rk_store *store);
+/* Was plan.h5 gone or damaged, and written again? */
+bool rk_store_mended(const struct rk_store *store);
 struct rk_worker *rk_store_worker(const struct rk_store *store);
 
 /* Is a program at work in the folder? `who` gets "process 1234 on host" then, the first's. */

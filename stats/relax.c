@@ -349,8 +349,7 @@ static void fill(struct rk_relax_fit *fit, const struct work *w, const struct so
     if (w->options->fixed) {
         fit->final.low = fit->final.high = NAN;
     }
-    double start = whole_change(s, &error, true), change = whole_change(s, &error, false);
-    start = whole_change(s, &error, true);
+    double start = whole_change(s, &error, true);
     fit->initial = around(w->centre + w->unit * start, w->unit * t * error, n_eff, level);
     fit->exponent = (struct rk_interval){1, NAN, NAN, n_eff, level};
     fit->second = (struct rk_interval){NAN, NAN, NAN, n_eff, level};
@@ -362,7 +361,7 @@ static void fill(struct rk_relax_fit *fit, const struct work *w, const struct so
     } else if (s->model.form == RK_RELAX_DOUBLE) {
         fit->second = in_logarithm(b[LOG_SECOND], t * sqrt(v[LOG_SECOND][LOG_SECOND]), interval,
                                    n_eff, level);
-        fit->share = b[CHANGE] / change;
+        fit->share = b[CHANGE] / (b[CHANGE] + b[EXTRA]);
     }
     fit->mean_time = fit->time.estimate * tgamma(1 + 1 / c);
     if (s->model.form == RK_RELAX_DOUBLE) {
@@ -371,6 +370,17 @@ static void fill(struct rk_relax_fit *fit, const struct work *w, const struct so
     double n = (double)(w->count * w->replicas);
     fit->aic = n * log(s->squares / n) - (double)w->replicas * log1p(-fit->phi * fit->phi) +
                2 * (params + 2 - (w->options->fixed ? 1 : 0));
+}
+
+/* The time from a tenth to nine tenths of the change of the stretched form. */
+static double passage(const struct rk_relax_fit *fit) {
+    double c = fit->exponent.estimate;
+    return fit->time.estimate * (pow(log(10), 1 / c) - pow(log(10. / 9), 1 / c));
+}
+
+/* Does the stretched form pass between two samples, where nothing tells how? */
+static bool is_step(const struct rk_relax_fit *stretched, const struct work *w) {
+    return passage(stretched) < w->series->interval;
 }
 
 /* Why a fit is not to be believed, or nothing. */
@@ -391,6 +401,11 @@ static void judge(struct rk_relax_fit *fit, const struct work *w, const struct s
         snprintf(fit->reason, size,
                  "the relaxation time, %.3g, is shorter than the time between samples, %.3g",
                  fit->time.estimate, interval);
+    } else if (s->model.form == RK_RELAX_STRETCHED && is_step(fit, w)) {
+        snprintf(fit->reason, size,
+                 "the change is a step between two samples: it takes %.3g, the time between "
+                 "samples is %.3g",
+                 passage(fit), interval);
     } else if (longest > (w->options->fixed ? 10 : 0.5) * span) {
         snprintf(fit->reason, size,
                  "the series has not relaxed: the time that fits it, %.3g, is more than %s its "
@@ -489,6 +504,10 @@ static enum rk_status estimate(struct rk_relax *relax, struct work *w, struct rk
     fit_form(relax, w, RK_RELAX_DOUBLE, apart, &solution[RK_RELAX_DOUBLE]);
     choose(relax);
     const struct rk_relax_fit *fit = &relax->fit[relax->form];
+    const struct rk_relax_fit *step = &relax->fit[RK_RELAX_STRETCHED];
+    if (is_step(step, w) && step->aic < fit->aic - 2) {
+        fit = step; /* a slower curve would be the wrong answer */
+    }
     if (fit->verdict == RK_REFUSED) {
         return rk_fail(err, RK_EREFUSED, "%s", fit->reason);
     }

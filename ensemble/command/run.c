@@ -181,6 +181,9 @@ static int run_plan(const char *folder, const struct rk_plan *plan, const struct
         rk_store_open(folder, plan, &store, &err) != RK_OK) {
         return rk_complain(&err);
     }
+    if (!led && rk_store_mended(store)) {
+        rk_warn("'%s/plan.h5' was missing or damaged and is written again", folder);
+    }
     size_t surplus = led ? 0 : rk_store_surplus(folder, plan);
     if (surplus > 0) {
         rk_warn("'%s' holds %zu finished run%s beyond what the study asks for now; "

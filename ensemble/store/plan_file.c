@@ -194,3 +194,18 @@ enum rk_status rk_plan_file_match(const char *folder, const struct rk_plan *plan
                ? RK_OK
                : match_contents(folder, path.text, plan, err);
 }
+
+enum rk_status rk_plan_text_match(const char *folder, const struct rk_plan *plan,
+                                  struct rk_error *err) {
+    struct rk_path path;
+    struct rk_study *there = NULL;
+    enum rk_status status = rk_path_set(&path, err, "%s/study.yaml", folder);
+    if (status == RK_OK) {
+        status = rk_study_load(path.text, &there, err);
+    }
+    if (status == RK_OK) {
+        status = compare_studies(folder, there, plan->study, err);
+    }
+    rk_study_free(there);
+    return status;
+}

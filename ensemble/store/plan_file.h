@@ -24,4 +24,9 @@ bool rk_plan_file_is(const char *folder, const struct rk_plan *plan);
 enum rk_status rk_plan_file_match(const char *folder, const struct rk_plan *plan,
                                   struct rk_error *err);
 
+/* The same by study.yaml beside it, for a folder whose plan.h5 is damaged. RK_EIO when it is not
+ * there, RK_EINVALID when it cannot be read. */
+enum rk_status rk_plan_text_match(const char *folder, const struct rk_plan *plan,
+                                  struct rk_error *err);
+
 #endif

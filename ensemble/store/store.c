@@ -15,10 +15,15 @@
 struct rk_store {
     struct rk_path folder;
     struct rk_worker *worker;
+    bool mended;
 };
 
 const char *rk_store_folder(const struct rk_store *store) {
     return store->folder.text;
+}
+
+bool rk_store_mended(const struct rk_store *store) {
+    return store->mended;
 }
 
 /* ---- Who is at work ---- */
@@ -94,8 +99,15 @@ static bool holds_runs_of(const char *folder, const struct rk_plan *plan) {
     return found;
 }
 
+/* May plan.h5, gone or damaged, be written again? A study.yaml where plan.h5 is gone proves
+ * nothing: it may be the user's own. */
+static bool is_mendable(const char *folder, const struct rk_plan *plan, bool there) {
+    return holds_runs_of(folder, plan) ||
+           (there && rk_plan_text_match(folder, plan, NULL) == RK_OK);
+}
+
 /* Nothing is written here: a folder that is refused stays as it was. */
-static enum rk_status inspect(const char *folder, const struct rk_plan *plan,
+static enum rk_status inspect(const char *folder, const struct rk_plan *plan, bool *mended,
                               struct rk_error *err) {
     struct stat facts;
     if (stat(folder, &facts) != 0) {
@@ -112,8 +124,9 @@ static enum rk_status inspect(const char *folder, const struct rk_plan *plan,
     }
     bool there = rk_file_exists(path.text);
     status = there ? rk_plan_file_match(folder, plan, err) : only_beginnings(folder, err);
-    bool lost = !there || status == RK_EFORMAT;
-    return status != RK_OK && lost && holds_runs_of(folder, plan) ? RK_OK : status;
+    bool lost = status != RK_OK && (!there || status == RK_EFORMAT);
+    *mended = lost && is_mendable(folder, plan, there);
+    return *mended ? RK_OK : status;
 }
 
 static enum rk_status write_study(const char *folder, const struct rk_study *study,
@@ -176,7 +189,7 @@ enum rk_status rk_store_open(const char *folder, const struct rk_plan *plan, str
     }
     enum rk_status status = rk_path_set(&store->folder, err, "%s", folder);
     if (status == RK_OK) {
-        status = inspect(folder, plan, err);
+        status = inspect(folder, plan, &store->mended, err);
     }
     if (status == RK_OK) {
         status = rk_folder_make(folder, err);
@@ -185,7 +198,8 @@ enum rk_status rk_store_open(const char *folder, const struct rk_plan *plan, str
         status = rk_worker_begin(folder, &store->worker, err);
     }
     if (status == RK_OK) {
-        status = inspect(folder, plan, err); /* again: somebody may have been quicker */
+        status =
+            inspect(folder, plan, &store->mended, err); /* again: somebody may have been quicker */
     }
     if (status == RK_OK) {
         rk_worker_sweep(store->worker);

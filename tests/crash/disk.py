@@ -139,6 +139,13 @@ def damage_everywhere(work, reference):
             run(folder)
             expect_same(folder, reference)
             tried += 1
+    folder = work / "plan.h5-alone"
+    shutil.copytree(reference, folder)
+    for path in folder.glob("runs/*"):
+        path.unlink()
+    os.truncate(folder / "plan.h5", 10)
+    assert "was missing or damaged and is written again" in run(folder).stderr
+    expect_same(folder, reference)
     assert tried >= 20, tried
     print(f"{tried} files of all kinds were cut or had a bit flipped: the same bytes")
 

@@ -150,6 +150,23 @@ static void what_cannot_be_fitted_is_refused_in_words(void **state) {
     assert_non_null(strstr(err.message, "5 samples"));
 }
 
+/* A stretched exponent of 60 falls within 0.4 of an interval: nothing tells T and c to the digits
+ * that the replicas' common step would suggest. With an exponent of 3 the fall takes 7 intervals.
+ */
+static void a_step_between_two_samples_is_refused(void **state) {
+    (void)state;
+    static double y[REPLICAS * SAMPLES];
+    gsl_rng *rng = rng_of(9);
+    fill(y, REPLICAS, 1, 2, 8.5, 60, 0, 0.05, 1, rng);
+    expect_refusal(y, REPLICAS, RK_EREFUSED, "step between two samples");
+    fill(y, REPLICAS, 1, 2, 8.5, 3, 0, 0.05, 1, rng);
+    struct rk_relax *relax;
+    assert_int_equal(estimate(&relax, y, REPLICAS, 1, NULL), RK_OK);
+    assert_int_equal(relax->form, RK_RELAX_STRETCHED);
+    rk_relax_free(relax);
+    gsl_rng_free(rng);
+}
+
 /* Known beforehand, the final value lets a series be shorter than two relaxation times. */
 static void a_known_final_value(void **state) {
     (void)state;
@@ -174,6 +191,7 @@ int main(void) {
         cmocka_unit_test(any_magnitude),
         cmocka_unit_test(intervals_cover_with_correlated_noise),
         cmocka_unit_test(what_cannot_be_fitted_is_refused_in_words),
+        cmocka_unit_test(a_step_between_two_samples_is_refused),
         cmocka_unit_test(a_known_final_value),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

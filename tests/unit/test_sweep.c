@@ -1,6 +1,7 @@
 /* Sweeps and includes: which points come out, under which names, and what is refused where. */
 #include "ensemble/study.h"
 #include "fake_case.h"
+#include "scratch.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -8,14 +9,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
 
 #include <cmocka.h>
 
 #define HEAD "study: a\ncase: shaken-box\n"
 
-static char folder[] = "/tmp/rk-test-sweep-XXXXXX";
+static char *folder;
 
 static struct rk_study *parse(const char *text) {
     struct rk_study *study;
@@ -230,18 +229,11 @@ static void astronomic_grids_are_refused_at_once(void **state) {
 /* ---- Includes ---- */
 
 static void put(const char *name, const char *text) {
-    char path[256];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(text, 1, strlen(text), file), strlen(text));
-    assert_int_equal(fclose(file), 0);
+    scratch_write(scratch_path(folder, name), text, strlen(text));
 }
 
 static enum rk_status load(const char *name, struct rk_study **study, struct rk_error *err) {
-    char path[256];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return rk_study_load(path, study, err);
+    return rk_study_load(scratch_path(folder, name), study, err);
 }
 
 static void later_keys_override(void **state) {
@@ -266,8 +258,7 @@ static void later_keys_override(void **state) {
 static void assert_refused(const char *name, const char *place, const char *word) {
     struct rk_study *study;
     struct rk_error err = RK_NO_ERROR;
-    char where[256];
-    snprintf(where, sizeof where, "%s/%s", folder, place);
+    const char *where = scratch_path(folder, place);
     if (load(name, &study, &err) != RK_EINVALID || strcmp(err.where, where) != 0 ||
         !strstr(err.message, word)) {
         fail_msg("%s: %s\n(expected at %s: ...%s...)", err.where, err.message, where, word);
@@ -332,14 +323,14 @@ static void texts_include_nothing(void **state) {
 
 static int make_folder(void **state) {
     (void)state;
-    return mkdtemp(folder) ? 0 : -1;
+    folder = scratch_make();
+    return 0;
 }
 
 static int remove_folder(void **state) {
     (void)state;
-    char command[300];
-    snprintf(command, sizeof command, "rm -r '%s'", folder);
-    return system(command);
+    scratch_remove(folder);
+    return 0;
 }
 
 int main(void) {
