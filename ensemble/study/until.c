@@ -1,4 +1,5 @@
 /* The precision that a study asks for. */
+#include "ensemble/analysis/private.h"
 #include "ensemble/study/private.h"
 
 #include "stats/stein.h"
@@ -76,7 +77,15 @@ static enum rk_status find_request(struct rk_spot map, struct rk_study *study,
                              "until: name one of the study's analyses ('analysis: rise')");
     }
     for (size_t i = 0; i < study->request_count; i++) {
-        if (strcmp(study->requests[i].analysis->piece.name, at.node->text) == 0) {
+        const struct rk_analysis *analysis = study->requests[i].analysis;
+        bool found = strcmp(analysis->piece.name, at.node->text) == 0;
+        if (found && !analysis->methods->estimate) {
+            return rk_spot_wrong(at, err,
+                                 "until: '%.64s' is of all points together, a target is met point "
+                                 "by point",
+                                 at.node->text);
+        }
+        if (found) {
             study->until.request = &study->requests[i];
             return RK_OK;
         }
