@@ -25,6 +25,11 @@ struct rk_units {
  * replicas that differ (see above). */
 enum rk_status rk_units_choose(struct rk_units *out, const double *values, const size_t *first,
                                size_t replicas, size_t least, struct rk_error *err);
+
+/* Blocks by the same rule for a correlation time (in values) that is known, without the comparison
+ * of replicas. RK_EREFUSED: too few. */
+enum rk_status rk_units_cut(struct rk_units *out, double time, const size_t *first, size_t replicas,
+                            size_t least, struct rk_error *err);
 void rk_units_clear(struct rk_units *units);
 
 /* Into how many blocks of nearly equal length to cut `count` samples of correlation time `time`
