@@ -3,6 +3,7 @@
 #include "stats/numeric.h"
 #include "stats/pdf_internal.h"
 #include "stats/series.h"
+#include "stats/units.h"
 
 #include <gsl/gsl_cdf.h>
 #include <stdlib.h>
@@ -69,9 +70,11 @@ static void fill_intervals(struct rk_pdf_fit *fit, struct rk_pdf_work *work, siz
         return;
     }
     double n = scatter.units, spread[3], tail = 0.5 + 0.5 * options->level;
+    double widening = work->blocks > 0 ? rk_block_widening(work->time, work->blocks) : 1;
     for (int i = 0; i < 3; i++) {
-        spread[i] = options->independent && !work->source.weights ? covariance[i][i]
-                                                                  : scatter.square[i] * n / (n - 1);
+        spread[i] = options->independent && !work->source.weights
+                        ? covariance[i][i]
+                        : widening * scatter.square[i] * n / (n - 1);
     }
     double quantile =
         options->independent ? gsl_cdf_ugaussian_Pinv(tail) : rk_student_quantile(tail, n - 1);

@@ -134,7 +134,8 @@ struct rk_pdf_work {
     struct rk_pdf_points points;
     struct rk_pdf_curve best[RK_PDF_FAMILIES]; /* in the frame */
     bool fixed;                                /* the location is at 0 of the frame */
-    double *score;                             /* [segments][families] log-likelihoods */
+    double blocks, time; /* mean length of blocks, correlation time, in samples; 0: no blocks */
+    double *score;       /* [segments][families] log-likelihoods */
 };
 
 /* Make the segments of the source units: replicas, or blocks longer than two correlation times.

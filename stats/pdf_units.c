@@ -108,6 +108,8 @@ enum rk_status rk_pdf_units_choose(struct rk_pdf *pdf, struct rk_pdf_work *work,
     }
     if (status == RK_OK && !work->source.weights && pdf->replicas < LEAST_REPLICAS) {
         status = cut_blocks(work, time, err);
+        work->blocks = (double)work->source.samples / (double)work->source.segments;
+        work->time = time;
         pdf->blocks = true;
     }
     pdf->units = work->source.weights ? work->source.samples : work->source.segments;

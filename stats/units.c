@@ -34,6 +34,11 @@ size_t rk_block_start(size_t count, size_t blocks, size_t b) {
     return count / blocks * b + count % blocks * b / blocks;
 }
 
+double rk_block_widening(double time, double length) {
+    double forgotten = (time - 0.25 / time) / length;
+    return time > 0.5 && length > 2 * time ? 1 / (1 - forgotten) : 1;
+}
+
 /* Blocks of a replica of n samples when blocks are to be `length` long; a replica is independent of
  * the others, so that it is always one at least. */
 static size_t blocks_within(size_t n, double length) {

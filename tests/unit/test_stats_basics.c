@@ -225,6 +225,29 @@ static void blocking_passes_over_gaps(void **state) {
     assert_true(within(c.error, a.error, 1e-12 * a.error));
 }
 
+/* Variance of the mean of `blocks` blocks of AR(1), and of the average of these means, by the
+ * double sum over samples: their ratio times `blocks` is what the widening says, but for
+ * phi^length. */
+static void blocks_forget_what_the_widening_gives_back(void **state) {
+    (void)state;
+    const double phi = 0.9, time = (1 + phi) / (2 * (1 - phi));
+    enum { LENGTH = 200 };
+    const size_t sizes[2] = {LENGTH, 400 * LENGTH};
+    double variance[2];
+    for (int k = 0; k < 2; k++) {
+        double n = (double)sizes[k], sum = n;
+        for (double lag = 1; lag < n && lag < 1000; lag++) {
+            sum += 2 * (n - lag) * pow(phi, lag);
+        }
+        variance[k] = sum / (n * n);
+    }
+    /* What the whole forgets itself is 1/400 of that of a block. */
+    double forgotten = (time - 0.25 / time) / LENGTH;
+    assert_true(within(variance[1] / (variance[0] / 400), rk_block_widening(time, LENGTH),
+                       1.1 * forgotten / 400));
+    assert_true(rk_block_widening(0.5, LENGTH) == 1);
+}
+
 /* exp of four numbers at once, within 2^-52 of the C library's in long double, and at the ends of
  * the range: the smallest doubles to half of one, then 0. */
 WIDE static void four_exponentials(double y[LANES], const double x[LANES]) {
@@ -648,6 +671,7 @@ int main(void) {
         cmocka_unit_test(autocorrelation_of_an_alternation),
         cmocka_unit_test(blocking_finds_the_inefficiency),
         cmocka_unit_test(blocking_passes_over_gaps),
+        cmocka_unit_test(blocks_forget_what_the_widening_gives_back),
         cmocka_unit_test(exponentials_are_exact_to_the_last_bit),
         cmocka_unit_test(blocking_refuses),
         cmocka_unit_test(jackknife_identities),
