@@ -88,13 +88,12 @@ static void gear_correct(struct rk_grains *grains, size_t begin, size_t end, dou
     const struct gear_component gx = gear_x(grains), gy = gear_y(grains), turn = gear_turn(grains);
     struct span x = no_span(), y = no_span(), angle = no_span();
     for (size_t i = begin; i < end; i += LANES) {
-        lanes fx, fy, torque;
-        lanes_load_rows(grains->force + RK_FORCE_WIDTH * i, &fx, &fy, &torque);
-        lanes inverse_mass = lanes_load(grains->inverse_mass + i);
-        gear_correct_some(&gx, i, end, fx * inverse_mass, h, &x);
-        gear_correct_some(&gy, i, end, fy * inverse_mass, h, &y);
+        lanes force[3], inverse_mass = lanes_load(grains->inverse_mass + i);
+        sums_load(grains, i, grains->omega, force);
+        gear_correct_some(&gx, i, end, force[0] * inverse_mass, h, &x);
+        gear_correct_some(&gy, i, end, force[1] * inverse_mass, h, &y);
         if (grains->omega) {
-            gear_correct_some(&turn, i, end, torque * lanes_load(grains->inverse_inertia + i), h,
+            gear_correct_some(&turn, i, end, force[2] * lanes_load(grains->inverse_inertia + i), h,
                               &angle);
         }
     }

@@ -116,12 +116,13 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
     size_t n = scene->spec.grains;
     scene->grains.capacity = n;
     enum rk_status status = rk_fields_resize(scene, &rk_grain_fields, n, err);
-    scene->grains.force = rk_array_create(n + RK_BLOCK, RK_FORCE_WIDTH * sizeof(double));
-    scene->grains.motion = rk_array_create(n + RK_BLOCK, RK_MOTION_WIDTH * sizeof(double));
+    scene->grains.force =
+        rk_array_create(n + RK_BLOCK, rk_force_width(&scene->grains) * sizeof(double));
+    scene->grains.motion = rk_array_create(n + RK_BLOCK, RK_ROW_WIDTH * sizeof(double));
     bool eased = true;
     if (scene->has[RK_IF_IMPLICIT]) {
         scene->grains.ease = rk_array_create(n + RK_BLOCK, sizeof(double));
-        scene->grains.spread = rk_array_create(n + RK_BLOCK, RK_FORCE_WIDTH * sizeof(double));
+        scene->grains.spread = rk_array_create(n + RK_BLOCK, RK_ROW_WIDTH * sizeof(double));
         eased = scene->grains.ease && scene->grains.spread;
     }
     near->cell_of = rk_array_create(n, sizeof(uint32_t));
