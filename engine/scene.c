@@ -341,7 +341,7 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
 enum rk_status rk_scene_add_forces(struct rk_scene *scene, double dt, struct rk_error *err) {
     struct rk_contact_law law;
     rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, dt);
-    scene->kernel->ready(&scene->grains, 0, scene->grains.count, scene->gravity);
+    rk_shares_lay_out(scene);
     return add_forces(scene, &law, err);
 }
 
@@ -424,7 +424,7 @@ static void pose_next(struct rk_scene *scene) {
     }
     if (scene->has[RK_IF_GROUPS] || scene->has[RK_IF_GROWS] || before[0] != scene->gravity[0] ||
         before[1] != scene->gravity[1]) {
-        scene->kernel->ready(&scene->grains, 0, scene->grains.count, scene->gravity);
+        rk_shares_lay_out(scene);
     }
 }
 

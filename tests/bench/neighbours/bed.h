@@ -16,7 +16,8 @@ struct bed {
     size_t size;
 };
 
-/* Settle a bed of `count` small grains, a large one on `threads`; free with bed_free. */
+/* Settle a bed of `count` small grains; one of more than 20000 is ten copies side by side of a
+ * settled one, whose contacts begin without history. Free with bed_free. */
 enum rk_status bed_settle(uint64_t count, size_t threads, struct bed *bed, struct rk_error *err);
 void bed_free(struct bed *bed);
 

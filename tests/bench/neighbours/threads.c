@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 /* Looks at pairs, or grain-steps, that one turn comes to. */
-static const double turn_looks = 2e8, turn_grain_steps = 4e6;
+static const double turn_looks = 5e7, turn_grain_steps = 4e6;
 
 /* Pairs in one list above which making it, which is one thread's, would be most of a turn: where
  * the near ones are looked for, and where all are kept. */
