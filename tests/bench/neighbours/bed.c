@@ -11,28 +11,10 @@ enum { TILES = 10, SETTLED_MOST = 20000 };
 
 const char *const method_names[METHODS] = {"all-pairs", "verlet", "cells"};
 
-static double seconds(clockid_t clock) {
-    struct timespec t;
-    clock_gettime(clock, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-double cpu_seconds(void) {
-    return seconds(CLOCK_THREAD_CPUTIME_ID);
-}
-
 double wall_seconds(void) {
-    return seconds(CLOCK_MONOTONIC);
-}
-
-static int by_size(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-double median(double *values, size_t count) {
-    qsort(values, count, sizeof *values, by_size);
-    return values[count / 2];
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 /* The parameters of cases/neighbours/a2.yaml. */

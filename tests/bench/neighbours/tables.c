@@ -11,10 +11,6 @@ static const double affordable_looks = 4e9;
 
 enum { REPEATS = 7, LONG = 3, SHORT = 100 }; /* LONG: seconds */
 
-static uint64_t cpu_nanoseconds(void) {
-    return (uint64_t)(1e9 * cpu_seconds());
-}
-
 /* One pass of `steps` from the settled bed, with or without a clock on the phases. */
 static enum rk_status pass(const struct bed *bed, enum method method, uint64_t steps, bool clocked,
                            struct timing *t, struct rk_error *err) {
@@ -22,10 +18,10 @@ static enum rk_status pass(const struct bed *bed, enum method method, uint64_t s
     enum rk_status status = bed_open(bed, method, 1, &scene, err);
     *t = (struct timing){.there = true};
     if (status == RK_OK) {
-        rk_scene_set_clock(scene, clocked ? cpu_nanoseconds : NULL);
-        double begin = cpu_seconds();
+        rk_scene_set_clock(scene, clocked ? bench_cpu_nanoseconds : NULL);
+        double begin = bench_cpu_seconds();
         status = rk_scene_step(scene, steps, err);
-        t->whole = cpu_seconds() - begin;
+        t->whole = bench_cpu_seconds() - begin;
         struct rk_profile profile = rk_scene_profile(scene);
         double work = (double)steps * (double)bed->grains;
         for (int p = 0; p < RK_PHASE_COUNT; p++) {
@@ -100,7 +96,7 @@ enum rk_status time_method(const struct bed *bed, enum method method, bool full,
     if (status == RK_OK) {
         qsort(passes, count, sizeof *passes, by_whole);
         *timing = passes[count / 2];
-        share_out(timing, median(wholes, count));
+        share_out(timing, bench_median(wholes, count));
         scale(timing, steps, method == ALL_PAIRS || steps == STEPS ? timing->builds : lists);
     }
     return status;

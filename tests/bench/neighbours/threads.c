@@ -51,10 +51,10 @@ enum rk_status time_threads(const struct bed *bed, enum method method, size_t mo
         for (int k = 0; k < TURNS; k++) {
             ratios[k] = seconds[0][k] / seconds[p][k];
         }
-        curve->speedup[p] = median(ratios, TURNS);
+        curve->speedup[p] = bench_median(ratios, TURNS);
         curve->low[p] = ratios[0];
         curve->high[p] = ratios[TURNS - 1];
-        curve->seconds[p] = median(seconds[p], TURNS);
+        curve->seconds[p] = bench_median(seconds[p], TURNS);
     }
     return status;
 }
