@@ -183,7 +183,7 @@ static enum rk_status resume_from(struct work *w, int generation, bool *found,
     if (!*found) {
         return status;
     }
-    status = w->scene_case->empty(w->params, &w->scene, err);
+    status = rk_case_empty(w->scene_case, w->params, &w->scene, err);
     if (status == RK_OK) {
         status = rk_scene_unpack(w->scene, c.state, c.size, err);
     }
@@ -229,14 +229,14 @@ static enum rk_status resume(struct work *w, struct rk_error *err) {
     return RK_OK;
 }
 
-/* Prepare the bed and record step 0. The first checkpoint is taken at once where that took its time:
- * a bed may take longer to settle than its run to be shaken. */
+/* Prepare the bed and record step 0. The first checkpoint is taken at once where that took its
+ * time: a bed may take longer to settle than its run to be shaken. */
 static enum rk_status begin(struct work *w, struct rk_error *err) {
     struct rk_cancel cancel = {w->hooks->stop, w->hooks->context};
     double start = rk_clock();
     enum rk_status status =
-        w->scene_case->prepare(w->params, rk_run_stream(w->plan, w->run, RK_FOR_GRAINS, 0),
-                               w->hooks->stop ? &cancel : NULL, &w->scene, &w->preparation, err);
+        rk_case_prepare(w->scene_case, w->params, rk_run_stream(w->plan, w->run, RK_FOR_GRAINS, 0),
+                        w->hooks->stop ? &cancel : NULL, &w->scene, &w->preparation, err);
     if (status != RK_OK) {
         w->scene = NULL; /* of a scene that failed nothing is kept */
         return status;

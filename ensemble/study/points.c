@@ -174,7 +174,7 @@ static void name_point(const char *name, const struct reader *r) {
 /* How long a run is, how finely it is stepped and when it is looked at must not change its random
  * numbers: the same beds at another time step. */
 static bool in_key(struct rk_param_ref ref) {
-    return !ref.group->technical;
+    return !rk_param_is_technical(ref);
 }
 
 /* Point `i` of the sweep of `root`. */
