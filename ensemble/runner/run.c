@@ -235,7 +235,7 @@ static enum rk_status begin(struct work *w, struct rk_error *err) {
     struct rk_cancel cancel = {w->hooks->stop, w->hooks->context};
     double start = rk_clock();
     enum rk_status status =
-        rk_case_prepare(w->scene_case, w->params, rk_run_stream(w->plan, w->run, RK_FOR_GRAINS, 0),
+        rk_case_prepare(w->scene_case, w->params, rk_bed_stream(w->plan, w->run),
                         w->hooks->stop ? &cancel : NULL, &w->scene, &w->preparation, err);
     if (status != RK_OK) {
         w->scene = NULL; /* of a scene that failed nothing is kept */

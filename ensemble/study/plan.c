@@ -1,7 +1,9 @@
+#include "base/memory.h"
 #include "ensemble/study/canonical.h"
 #include "ensemble/study/private.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include <xxhash.h>
 
 static void write_hash(XXH128_hash_t hash, char identity[RK_IDENTITY]) {
@@ -14,82 +16,161 @@ static bool in_identity(struct rk_param_ref ref) {
     return !ref.row->extends;
 }
 
-/* The digests of what decides the bytes of the runs. */
+/* ---- What decides which bytes ---- */
+
+struct digests {
+    struct rk_canonical *canonical;   /* of the points */
+    struct rk_canonical *preparation; /* of their preparations: a text is kept of each line */
+    void *prepared;
+    XXH3_state_t *all;
+};
+
+static void identify_point(const struct rk_study *study, const struct rk_point *point,
+                           const struct digests *d, struct rk_plan_point *out) {
+    const char *scene = study->scene->piece.name;
+    unsigned long long seed = study->seed;
+    size_t size;
+    const char *text =
+        rk_canonical_text(d->canonical, point->params, in_identity, &size,
+                          "case = %s\nseed = %llu\npoint = %s\n", scene, seed, point->name);
+    write_hash(XXH3_128bits(text, size), out->identity);
+    rk_param_preparation(study->scene->params, point->params, d->prepared);
+    text = rk_canonical_text(d->preparation, d->prepared, rk_param_prepares, &size,
+                             "case = %s\nseed = %llu\n", scene, seed);
+    write_hash(XXH3_128bits(text, size), out->preparation);
+    out->bed_key = rk_canonical_key(d->preparation, scene, d->prepared);
+    out->steps = study->scene->schedule(point->params).steps;
+}
+
 static enum rk_status identify(struct rk_plan *plan, struct rk_error *err) {
     const struct rk_study *study = plan->study;
-    struct rk_canonical *canonical = rk_canonical_create(study->scene->params);
-    XXH3_state_t *all = XXH3_createState();
-    if (!canonical || !all) {
-        rk_canonical_free(canonical);
-        XXH3_freeState(all);
-        return rk_fail(err, RK_EMEMORY, "out of memory");
+    const struct rk_param_table *table = study->scene->params;
+    struct digests d = {rk_canonical_create(table), rk_canonical_create(table),
+                        rk_array_create(1, table->size), XXH3_createState()};
+    enum rk_status status = d.canonical && d.preparation && d.prepared && d.all
+                                ? RK_OK
+                                : rk_fail(err, RK_EMEMORY, "out of memory");
+    if (status == RK_OK) {
+        XXH3_128bits_reset(d.all);
+        for (size_t p = 0; p < study->point_count; p++) {
+            struct rk_plan_point *point = &plan->points[p];
+            identify_point(study, &study->points[p], &d, point);
+            XXH3_128bits_update(d.all, point->identity, RK_IDENTITY);
+            XXH3_128bits_update(d.all, &point->steps, sizeof point->steps);
+        }
+        write_hash(XXH3_128bits_digest(d.all), plan->identity);
     }
-    XXH3_128bits_reset(all);
-    for (size_t p = 0; p < study->point_count; p++) {
-        const struct rk_point *point = &study->points[p];
-        size_t size;
-        const char *text = rk_canonical_text(
-            canonical, point->params, in_identity, &size, "case = %s\nseed = %llu\npoint = %s\n",
-            study->scene->piece.name, (unsigned long long)study->seed, point->name);
-        write_hash(XXH3_128bits(text, size), plan->points[p].identity);
-        plan->points[p].steps = study->scene->schedule(point->params).steps;
-        XXH3_128bits_update(all, plan->points[p].identity, RK_IDENTITY);
-        XXH3_128bits_update(all, &plan->points[p].steps, sizeof plan->points[p].steps);
-    }
-    write_hash(XXH3_128bits_digest(all), plan->identity);
-    XXH3_freeState(all);
-    rk_canonical_free(canonical);
-    return RK_OK;
+    XXH3_freeState(d.all);
+    free(d.prepared);
+    rk_canonical_free(d.preparation);
+    rk_canonical_free(d.canonical);
+    return status;
 }
+
+/* ---- Runs and beds ---- */
 
 static size_t replicas_of(const struct rk_study *study, size_t p) {
     uint64_t own = study->points[p].replicas;
     return (size_t)(own > 0 ? own : study->replicas);
 }
 
+/* Points of one preparation together, those with the longest runs first. */
+static int compare_preparations(const void *a, const void *b, void *context) {
+    const struct rk_plan_point *points = context;
+    size_t i = *(const size_t *)a, j = *(const size_t *)b;
+    int order = strcmp(points[i].preparation, points[j].preparation);
+    if (order == 0 && points[i].steps != points[j].steps) {
+        order = points[i].steps > points[j].steps ? -1 : 1;
+    }
+    return order != 0 ? order : (i > j) - (i < j);
+}
+
+/* The longest run that begins from a bed pays for it: runs are begun the longest first, so that
+ * whoever begins is not kept waiting by the others. */
+static enum rk_status share_beds(struct rk_plan *plan, struct rk_error *err) {
+    size_t count = plan->study->point_count;
+    size_t *order = malloc((count + 1) * sizeof *order);
+    if (!order) {
+        return rk_fail(err, RK_EMEMORY, "out of memory");
+    }
+    for (size_t p = 0; p < count; p++) {
+        order[p] = p;
+    }
+    qsort_r(order, count, sizeof *order, compare_preparations, plan->points);
+    size_t settled = 0; /* beds of the preparation at hand */
+    for (size_t k = 0; k < count; k++) {
+        struct rk_plan_point *point = &plan->points[order[k]];
+        bool another =
+            k == 0 || strcmp(point->preparation, plan->points[order[k - 1]].preparation) != 0;
+        settled = another ? 0 : settled;
+        point->shared = settled < point->count ? settled : point->count;
+        plan->beds += point->count - point->shared;
+        settled = settled > point->count ? settled : point->count;
+    }
+    free(order);
+    return RK_OK;
+}
+
 static void list_runs(struct rk_plan *plan) {
     const struct rk_case *scene = plan->study->scene;
-    size_t n = 0;
     for (size_t p = 0; p < plan->study->point_count; p++) {
         const struct rk_point *point = &plan->study->points[p];
-        double steps =
-            (double)plan->points[p].steps + (double)scene->preparation_steps(point->params);
-        double cost = steps * (double)scene->grains(point->params);
-        plan->points[p].first = n;
-        plan->points[p].count = replicas_of(plan->study, p);
-        for (uint64_t r = 0; r < plan->points[p].count; r++, n++) {
-            struct rk_run *run = &plan->runs[n];
+        const struct rk_plan_point *of = &plan->points[p];
+        double grains = (double)scene->grains(point->params);
+        double steps = (double)of->steps,
+               settling = (double)scene->preparation_steps(point->params);
+        for (uint64_t r = 0; r < of->count; r++) {
+            struct rk_run *run = &plan->runs[of->first + r];
             snprintf(run->id, sizeof run->id, "%.*s-%04u", RK_NAME - 1, point->name, (unsigned)r);
             run->point = p;
             run->replica = r;
-            run->cost = cost;
+            run->cost = grains * (r < of->shared ? steps : steps + settling);
         }
     }
 }
 
-enum rk_status rk_plan_create(const struct rk_study *study, struct rk_plan **plan,
-                              struct rk_error *err) {
+enum rk_status rk_plan_outline(const struct rk_study *study, struct rk_plan **plan,
+                               struct rk_error *err) {
     struct rk_plan *made = calloc(1, sizeof *made);
     *plan = NULL;
     if (!made) {
         return rk_fail(err, RK_EMEMORY, "out of memory");
     }
     made->study = study;
-    for (size_t p = 0; p < study->point_count; p++) {
-        made->count += replicas_of(study, p);
-    }
-    made->runs = calloc(made->count, sizeof *made->runs);
     made->points = calloc(study->point_count, sizeof *made->points);
     enum rk_status status =
-        made->runs && made->points
-            ? identify(made, err)
-            : rk_fail(err, RK_EMEMORY, "out of memory for a plan of %zu runs", made->count);
+        made->points ? identify(made, err)
+                     : rk_fail(err, RK_EMEMORY, "out of memory for %zu points", study->point_count);
+    for (size_t p = 0; status == RK_OK && p < study->point_count; p++) {
+        made->points[p].first = made->count;
+        made->points[p].count = replicas_of(study, p);
+        made->count += made->points[p].count;
+    }
+    if (status == RK_OK) {
+        status = share_beds(made, err);
+    }
     if (status != RK_OK) {
         rk_plan_free(made);
         return status;
     }
-    list_runs(made);
     *plan = made;
+    return RK_OK;
+}
+
+enum rk_status rk_plan_create(const struct rk_study *study, struct rk_plan **plan,
+                              struct rk_error *err) {
+    enum rk_status status = rk_plan_outline(study, plan, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    size_t count = (*plan)->count;
+    (*plan)->runs = calloc(count, sizeof *(*plan)->runs);
+    if (!(*plan)->runs) {
+        rk_plan_free(*plan);
+        *plan = NULL;
+        return rk_fail(err, RK_EMEMORY, "out of memory for a plan of %zu runs", count);
+    }
+    list_runs(*plan);
     return RK_OK;
 }
 
@@ -101,8 +182,14 @@ void rk_plan_free(struct rk_plan *plan) {
     }
 }
 
-struct rk_stream rk_run_stream(const struct rk_plan *plan, const struct rk_run *run,
-                               enum rk_purpose purpose, uint64_t step) {
-    return rk_stream_of(plan->study->seed, plan->study->points[run->point].key, run->replica,
-                        purpose, step);
+struct rk_bed_name rk_bed_of(const struct rk_plan *plan, const struct rk_run *run) {
+    struct rk_bed_name name;
+    snprintf(name.text, sizeof name.text, "%s-%04u", plan->points[run->point].preparation,
+             (unsigned)run->replica);
+    return name;
+}
+
+struct rk_stream rk_bed_stream(const struct rk_plan *plan, const struct rk_run *run) {
+    return rk_stream_of(plan->study->seed, plan->points[run->point].bed_key, run->replica,
+                        RK_FOR_GRAINS, 0);
 }

@@ -360,9 +360,8 @@ static void observables_are_read_back(void **state) {
     struct rk_preparation report;
     struct rk_focus focus = {0};
     double row[2];
-    assert_int_equal(rk_case_prepare(&fake_shaker, f->points[0].params,
-                                     rk_run_stream(f->plan, r, RK_FOR_GRAINS, 0), NULL, &scene,
-                                     &report, NULL),
+    assert_int_equal(rk_case_prepare(&fake_shaker, f->points[0].params, rk_bed_stream(f->plan, r),
+                                     NULL, &scene, &report, NULL),
                      RK_OK);
     for (size_t i = 0; i < data.samples; i++) {
         rk_columns_sample(&fake_shaker, scene, &focus, row);
@@ -407,8 +406,8 @@ static void long_runs_cross_chunks(void **state) {
     H5Fclose(file);
     struct rk_scene *scene;
     struct rk_preparation report;
-    rk_case_prepare(&fake_shaker, &f->params[1], rk_run_stream(f->plan, r, RK_FOR_GRAINS, 0), NULL,
-                    &scene, &report, NULL);
+    rk_case_prepare(&fake_shaker, &f->params[1], rk_bed_stream(f->plan, r), NULL, &scene, &report,
+                    NULL);
     float now[GRAINS][2], turned[GRAINS];
     for (size_t i = 0; i <= PERIODS; i++) {
         double row[2];
