@@ -46,8 +46,10 @@ uint64_t rk_schedule_periods(const struct rk_schedule *schedule);
 uint64_t rk_schedule_samples(const struct rk_schedule *schedule);
 uint64_t rk_schedule_frames(const struct rk_schedule *schedule);
 
-/* How far the preparation of a bed has come: with the packed scene all that it needs to go on. */
-enum rk_prepared { RK_PREPARING, RK_PREPARED_NEXT, RK_PREPARED };
+/* How far the preparation of a bed has come: with the packed scene all that it needs to go on.
+ * PREPARED_NEXT, the next stride may be the last, is told before PREPARED. No case sets
+ * UNPREPARABLE: it is how beds that failed are kept (ensemble/store/beds.h). */
+enum rk_prepared { RK_PREPARING, RK_PREPARED_NEXT, RK_PREPARED, RK_UNPREPARABLE };
 struct rk_preparation {
     uint64_t steps;
     double time;
@@ -55,7 +57,7 @@ struct rk_preparation {
     uint64_t phase; /* of the case's phases, 0 at first */
     double since;   /* time at which the phase began */
     double calm;    /* time since when nothing moves */
-    uint64_t state; /* enum rk_prepared; NEXT: the next stride may be the last */
+    uint64_t state; /* enum rk_prepared */
 };
 
 /* Asked now and then during a long preparation: true means give up (RK_EINTERRUPTED). */

@@ -125,7 +125,6 @@ struct rk_plan_point {
                                       other points */
     char preparation[RK_IDENTITY]; /* hex digest of what decides the beds that its runs begin from:
                                       case, seed and the parameters that prepare */
-    uint64_t bed_key;              /* of the beds' random streams */
     uint64_t steps;                /* of a run */
     size_t first, count;           /* its runs: one a replica */
     uint64_t shared; /* so many of them, the first, begin from beds of points with as long runs */
@@ -149,13 +148,19 @@ enum rk_status rk_plan_outline(const struct rk_study *study, struct rk_plan **pl
                                struct rk_error *err);
 void rk_plan_free(struct rk_plan *plan);
 
-/* The bed that a run begins from, "<preparation>-<replica>", and its random stream: both depend on
- * seed, preparation and replica alone, so that the runs of one replica share a bed wherever their
- * points have the same preparation. */
+/* The bed that a run begins from, called "<preparation>-<replica, at least 4 digits>", and its
+ * random stream: both depend on case, seed, the parameters that prepare and the replica alone, so
+ * that runs of one replica share a bed wherever their points have the same preparation. RK_EMEMORY.
+ */
 struct rk_bed_name {
     char text[RK_IDENTITY + 16];
 };
-struct rk_bed_name rk_bed_of(const struct rk_plan *plan, const struct rk_run *run);
-struct rk_stream rk_bed_stream(const struct rk_plan *plan, const struct rk_run *run);
+struct rk_bed_name rk_bed_name(const char *preparation, uint64_t replica);
+struct rk_bed {
+    struct rk_bed_name name;
+    struct rk_stream stream;
+};
+enum rk_status rk_bed_of(const struct rk_study *study, const void *params, uint64_t replica,
+                         struct rk_bed *bed, struct rk_error *err);
 
 #endif

@@ -3,10 +3,8 @@
 #include "ensemble/study/private.h"
 
 #include <stdlib.h>
-#include <string.h>
-#include <xxhash.h>
 
-static void write_hash(XXH128_hash_t hash, char identity[RK_IDENTITY]) {
+void rk_identity_write(XXH128_hash_t hash, char identity[RK_IDENTITY]) {
     snprintf(identity, RK_IDENTITY, "%016llx%016llx", (unsigned long long)hash.high64,
              (unsigned long long)hash.low64);
 }
@@ -33,12 +31,8 @@ static void identify_point(const struct rk_study *study, const struct rk_point *
     const char *text =
         rk_canonical_text(d->canonical, point->params, in_identity, &size,
                           "case = %s\nseed = %llu\npoint = %s\n", scene, seed, point->name);
-    write_hash(XXH3_128bits(text, size), out->identity);
-    rk_param_preparation(study->scene->params, point->params, d->prepared);
-    text = rk_canonical_text(d->preparation, d->prepared, rk_param_prepares, &size,
-                             "case = %s\nseed = %llu\n", scene, seed);
-    write_hash(XXH3_128bits(text, size), out->preparation);
-    out->bed_key = rk_canonical_key(d->preparation, scene, d->prepared);
+    rk_identity_write(XXH3_128bits(text, size), out->identity);
+    rk_preparation_identify(study, point->params, d->preparation, d->prepared, out->preparation);
     out->steps = study->scene->schedule(point->params).steps;
 }
 
@@ -58,7 +52,7 @@ static enum rk_status identify(struct rk_plan *plan, struct rk_error *err) {
             XXH3_128bits_update(d.all, point->identity, RK_IDENTITY);
             XXH3_128bits_update(d.all, &point->steps, sizeof point->steps);
         }
-        write_hash(XXH3_128bits_digest(d.all), plan->identity);
+        rk_identity_write(XXH3_128bits_digest(d.all), plan->identity);
     }
     XXH3_freeState(d.all);
     free(d.prepared);
@@ -72,43 +66,6 @@ static enum rk_status identify(struct rk_plan *plan, struct rk_error *err) {
 static size_t replicas_of(const struct rk_study *study, size_t p) {
     uint64_t own = study->points[p].replicas;
     return (size_t)(own > 0 ? own : study->replicas);
-}
-
-/* Points of one preparation together, those with the longest runs first. */
-static int compare_preparations(const void *a, const void *b, void *context) {
-    const struct rk_plan_point *points = context;
-    size_t i = *(const size_t *)a, j = *(const size_t *)b;
-    int order = strcmp(points[i].preparation, points[j].preparation);
-    if (order == 0 && points[i].steps != points[j].steps) {
-        order = points[i].steps > points[j].steps ? -1 : 1;
-    }
-    return order != 0 ? order : (i > j) - (i < j);
-}
-
-/* The longest run that begins from a bed pays for it: runs are begun the longest first, so that
- * whoever begins is not kept waiting by the others. */
-static enum rk_status share_beds(struct rk_plan *plan, struct rk_error *err) {
-    size_t count = plan->study->point_count;
-    size_t *order = malloc((count + 1) * sizeof *order);
-    if (!order) {
-        return rk_fail(err, RK_EMEMORY, "out of memory");
-    }
-    for (size_t p = 0; p < count; p++) {
-        order[p] = p;
-    }
-    qsort_r(order, count, sizeof *order, compare_preparations, plan->points);
-    size_t settled = 0; /* beds of the preparation at hand */
-    for (size_t k = 0; k < count; k++) {
-        struct rk_plan_point *point = &plan->points[order[k]];
-        bool another =
-            k == 0 || strcmp(point->preparation, plan->points[order[k - 1]].preparation) != 0;
-        settled = another ? 0 : settled;
-        point->shared = settled < point->count ? settled : point->count;
-        plan->beds += point->count - point->shared;
-        settled = settled > point->count ? settled : point->count;
-    }
-    free(order);
-    return RK_OK;
 }
 
 static void list_runs(struct rk_plan *plan) {
@@ -147,7 +104,7 @@ enum rk_status rk_plan_outline(const struct rk_study *study, struct rk_plan **pl
         made->count += made->points[p].count;
     }
     if (status == RK_OK) {
-        status = share_beds(made, err);
+        status = rk_plan_share_beds(made, err);
     }
     if (status != RK_OK) {
         rk_plan_free(made);
@@ -180,16 +137,4 @@ void rk_plan_free(struct rk_plan *plan) {
         free(plan->runs);
         free(plan);
     }
-}
-
-struct rk_bed_name rk_bed_of(const struct rk_plan *plan, const struct rk_run *run) {
-    struct rk_bed_name name;
-    snprintf(name.text, sizeof name.text, "%s-%04u", plan->points[run->point].preparation,
-             (unsigned)run->replica);
-    return name;
-}
-
-struct rk_stream rk_bed_stream(const struct rk_plan *plan, const struct rk_run *run) {
-    return rk_stream_of(plan->study->seed, plan->points[run->point].bed_key, run->replica,
-                        RK_FOR_GRAINS, 0);
 }

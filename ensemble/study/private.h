@@ -7,6 +7,7 @@
 #include "ensemble/study/sources.h"
 
 #include <stdio.h>
+#include <xxhash.h>
 
 /* Letters, digits, '-', '_' and '.', beginning with a letter or digit: a safe file name. */
 enum rk_status rk_study_copy_name(struct rk_spot spot, const char *what, char name[RK_NAME],
@@ -49,5 +50,17 @@ enum rk_status rk_study_read_analyses(const struct rk_sources *sources, struct r
 /* The precision asked for, of a study whose analyses are read. */
 enum rk_status rk_study_read_until(const struct rk_sources *sources, struct rk_study *study,
                                    struct rk_error *err);
+
+/* The digest of what decides the beds of a point, and, returned, the key of their random streams.
+ * `prepared` is room for the case's parameters. */
+struct rk_canonical;
+uint64_t rk_preparation_identify(const struct rk_study *study, const void *params,
+                                 struct rk_canonical *canonical, void *prepared,
+                                 char identity[RK_IDENTITY]);
+
+void rk_identity_write(XXH128_hash_t hash, char identity[RK_IDENTITY]);
+
+/* Who shares whose beds: plan->beds and points[].shared. */
+enum rk_status rk_plan_share_beds(struct rk_plan *plan, struct rk_error *err);
 
 #endif
