@@ -150,8 +150,9 @@ void rk_plan_free(struct rk_plan *plan);
 
 /* The bed that a run begins from, called "<preparation>-<replica, at least 4 digits>", and its
  * random stream: both depend on case, seed, the parameters that prepare and the replica alone, so
- * that runs of one replica share a bed wherever their points have the same preparation. RK_EMEMORY.
- */
+ * that runs of one replica share a bed wherever their points have the same preparation. `params`
+ * are those that the run is carried out with: its point's, or with other time steps (which then
+ * have the random numbers of the point's). RK_EMEMORY. */
 struct rk_bed_name {
     char text[RK_IDENTITY + 16];
 };
@@ -160,7 +161,8 @@ struct rk_bed {
     struct rk_bed_name name;
     struct rk_stream stream;
 };
-enum rk_status rk_bed_of(const struct rk_study *study, const void *params, uint64_t replica,
-                         struct rk_bed *bed, struct rk_error *err);
+enum rk_status rk_bed_of(const struct rk_study *study, const struct rk_point *point,
+                         const void *params, uint64_t replica, struct rk_bed *bed,
+                         struct rk_error *err);
 
 #endif

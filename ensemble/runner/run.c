@@ -421,7 +421,8 @@ enum rk_status rk_run_execute(const char *folder, const struct rk_plan *plan,
     struct rk_error why = RK_NO_ERROR;
     enum rk_status status = set_paths(&w.paths, folder, run, err);
     if (status == RK_OK) {
-        status = rk_bed_of(plan->study, w.params, run->replica, &w.bed, err);
+        status = rk_bed_of(plan->study, &plan->study->points[run->point], w.params, run->replica,
+                           &w.bed, err);
     }
     if (status != RK_OK) {
         return status;

@@ -1,41 +1,56 @@
 /* Beds: what decides them, and which runs share them. */
 #include "base/memory.h"
-#include "ensemble/study/canonical.h"
 #include "ensemble/study/private.h"
 
 #include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>
 
-uint64_t rk_preparation_identify(const struct rk_study *study, const void *params,
-                                 struct rk_canonical *canonical, void *prepared,
-                                 char identity[RK_IDENTITY]) {
-    const char *scene = study->scene->piece.name;
-    size_t size;
-    rk_param_preparation(study->scene->params, params, prepared);
-    const char *text =
-        rk_canonical_text(canonical, prepared, rk_param_prepares, &size, "case = %s\nseed = %llu\n",
-                          scene, (unsigned long long)study->seed);
-    rk_identity_write(XXH3_128bits(text, size), identity);
-    return rk_canonical_key(canonical, scene, prepared);
+enum rk_status rk_preparer_init(struct rk_preparer *preparer, const struct rk_study *study,
+                                struct rk_error *err) {
+    const struct rk_param_table *table = study->scene->params;
+    *preparer =
+        (struct rk_preparer){study, rk_canonical_create(table), rk_array_create(1, table->size)};
+    return preparer->canonical && preparer->prepared ? RK_OK
+                                                     : rk_fail(err, RK_EMEMORY, "out of memory");
 }
 
-enum rk_status rk_bed_of(const struct rk_study *study, const void *params, uint64_t replica,
-                         struct rk_bed *bed, struct rk_error *err) {
-    struct rk_canonical *canonical = rk_canonical_create(study->scene->params);
-    void *prepared = rk_array_create(1, study->scene->params->size);
-    enum rk_status status =
-        canonical && prepared ? RK_OK : rk_fail(err, RK_EMEMORY, "out of memory");
+void rk_preparer_clear(struct rk_preparer *preparer) {
+    free(preparer->prepared);
+    rk_canonical_free(preparer->canonical);
+}
+
+/* The key is in the digest: whoever settles with other parameters than its point's keeps the
+ * random numbers of the point, and has another bed than a point with those parameters. */
+uint64_t rk_preparer_identify(struct rk_preparer *preparer, const void *own, const void *params,
+                              char identity[RK_IDENTITY]) {
+    const struct rk_study *study = preparer->study;
+    const char *scene = study->scene->piece.name;
+    size_t size;
+    rk_param_preparation(study->scene->params, own, preparer->prepared);
+    uint64_t key = rk_canonical_key(preparer->canonical, scene, preparer->prepared);
+    rk_param_preparation(study->scene->params, params, preparer->prepared);
+    const char *text = rk_canonical_text(preparer->canonical, preparer->prepared, rk_param_prepares,
+                                         &size, "case = %s\nseed = %llu\nkey = %016llx\n", scene,
+                                         (unsigned long long)study->seed, (unsigned long long)key);
+    rk_identity_write(XXH3_128bits(text, size), identity);
+    return key;
+}
+
+enum rk_status rk_bed_of(const struct rk_study *study, const struct rk_point *point,
+                         const void *params, uint64_t replica, struct rk_bed *bed,
+                         struct rk_error *err) {
+    struct rk_preparer preparer;
+    enum rk_status status = rk_preparer_init(&preparer, study, err);
     if (status == RK_OK) {
         char preparation[RK_IDENTITY];
-        uint64_t key = rk_preparation_identify(study, params, canonical, prepared, preparation);
+        uint64_t key = rk_preparer_identify(&preparer, point->params, params, preparation);
         *bed = (struct rk_bed){
             .name = rk_bed_name(preparation, replica),
             .stream = rk_stream_of(study->seed, key, replica, RK_FOR_GRAINS, 0),
         };
     }
-    free(prepared);
-    rk_canonical_free(canonical);
+    rk_preparer_clear(&preparer);
     return status;
 }
 

@@ -1,5 +1,3 @@
-#include "base/memory.h"
-#include "ensemble/study/canonical.h"
 #include "ensemble/study/private.h"
 
 #include <stdlib.h>
@@ -16,48 +14,40 @@ static bool in_identity(struct rk_param_ref ref) {
 
 /* ---- What decides which bytes ---- */
 
-struct digests {
-    struct rk_canonical *canonical;   /* of the points */
-    struct rk_canonical *preparation; /* of their preparations: a text is kept of each line */
-    void *prepared;
-    XXH3_state_t *all;
-};
-
 static void identify_point(const struct rk_study *study, const struct rk_point *point,
-                           const struct digests *d, struct rk_plan_point *out) {
-    const char *scene = study->scene->piece.name;
-    unsigned long long seed = study->seed;
+                           struct rk_canonical *canonical, struct rk_preparer *preparer,
+                           struct rk_plan_point *out) {
     size_t size;
-    const char *text =
-        rk_canonical_text(d->canonical, point->params, in_identity, &size,
-                          "case = %s\nseed = %llu\npoint = %s\n", scene, seed, point->name);
+    const char *text = rk_canonical_text(
+        canonical, point->params, in_identity, &size, "case = %s\nseed = %llu\npoint = %s\n",
+        study->scene->piece.name, (unsigned long long)study->seed, point->name);
     rk_identity_write(XXH3_128bits(text, size), out->identity);
-    rk_preparation_identify(study, point->params, d->preparation, d->prepared, out->preparation);
+    rk_preparer_identify(preparer, point->params, point->params, out->preparation);
     out->steps = study->scene->schedule(point->params).steps;
 }
 
 static enum rk_status identify(struct rk_plan *plan, struct rk_error *err) {
     const struct rk_study *study = plan->study;
-    const struct rk_param_table *table = study->scene->params;
-    struct digests d = {rk_canonical_create(table), rk_canonical_create(table),
-                        rk_array_create(1, table->size), XXH3_createState()};
-    enum rk_status status = d.canonical && d.preparation && d.prepared && d.all
-                                ? RK_OK
-                                : rk_fail(err, RK_EMEMORY, "out of memory");
+    struct rk_preparer preparer;
+    struct rk_canonical *canonical = rk_canonical_create(study->scene->params);
+    XXH3_state_t *all = XXH3_createState();
+    enum rk_status status = rk_preparer_init(&preparer, study, err);
+    if (status == RK_OK && (!canonical || !all)) {
+        status = rk_fail(err, RK_EMEMORY, "out of memory");
+    }
     if (status == RK_OK) {
-        XXH3_128bits_reset(d.all);
+        XXH3_128bits_reset(all);
         for (size_t p = 0; p < study->point_count; p++) {
             struct rk_plan_point *point = &plan->points[p];
-            identify_point(study, &study->points[p], &d, point);
-            XXH3_128bits_update(d.all, point->identity, RK_IDENTITY);
-            XXH3_128bits_update(d.all, &point->steps, sizeof point->steps);
+            identify_point(study, &study->points[p], canonical, &preparer, point);
+            XXH3_128bits_update(all, point->identity, RK_IDENTITY);
+            XXH3_128bits_update(all, &point->steps, sizeof point->steps);
         }
-        rk_identity_write(XXH3_128bits_digest(d.all), plan->identity);
+        rk_identity_write(XXH3_128bits_digest(all), plan->identity);
     }
-    XXH3_freeState(d.all);
-    free(d.prepared);
-    rk_canonical_free(d.preparation);
-    rk_canonical_free(d.canonical);
+    XXH3_freeState(all);
+    rk_canonical_free(canonical);
+    rk_preparer_clear(&preparer);
     return status;
 }
 

@@ -4,6 +4,7 @@
 
 #include "ensemble/analysis.h"
 #include "ensemble/study.h"
+#include "ensemble/study/canonical.h"
 #include "ensemble/study/sources.h"
 
 #include <stdio.h>
@@ -51,12 +52,20 @@ enum rk_status rk_study_read_analyses(const struct rk_sources *sources, struct r
 enum rk_status rk_study_read_until(const struct rk_sources *sources, struct rk_study *study,
                                    struct rk_error *err);
 
-/* The digest of what decides the beds of a point, and, returned, the key of their random streams.
- * `prepared` is room for the case's parameters. */
-struct rk_canonical;
-uint64_t rk_preparation_identify(const struct rk_study *study, const void *params,
-                                 struct rk_canonical *canonical, void *prepared,
-                                 char identity[RK_IDENTITY]);
+/* What makes the identity of preparations: room for parameters and their text. */
+struct rk_preparer {
+    const struct rk_study *study;
+    struct rk_canonical *canonical;
+    void *prepared;
+};
+enum rk_status rk_preparer_init(struct rk_preparer *preparer, const struct rk_study *study,
+                                struct rk_error *err);
+void rk_preparer_clear(struct rk_preparer *preparer);
+
+/* The digest of what decides a bed that is settled with `params` for a point with `own`, and,
+ * returned, the key of its random streams. */
+uint64_t rk_preparer_identify(struct rk_preparer *preparer, const void *own, const void *params,
+                              char identity[RK_IDENTITY]);
 
 void rk_identity_write(XXH128_hash_t hash, char identity[RK_IDENTITY]);
 

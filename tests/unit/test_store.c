@@ -349,8 +349,8 @@ static void a_damaged_file_is_told_and_done_again(void **state) {
 /* The random numbers of a run's bed. */
 static struct rk_stream stream_of(const struct fixture *f, const struct rk_run *r) {
     struct rk_bed bed;
-    assert_int_equal(rk_bed_of(&f->study, f->study.points[r->point].params, r->replica, &bed, NULL),
-                     RK_OK);
+    const struct rk_point *point = &f->study.points[r->point];
+    assert_int_equal(rk_bed_of(&f->study, point, point->params, r->replica, &bed, NULL), RK_OK);
     return bed.stream;
 }
 
