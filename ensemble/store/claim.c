@@ -92,7 +92,8 @@ enum rk_status rk_claim_take(const struct rk_worker *me, const struct rk_thing *
             return rk_fail_system(err, "claim: make the link", link.text);
         }
         status = walk(me, thing, &end, err);
-        *mine = status == RK_OK && strcmp(end.holder, name) == 0;
+        /* Not made, but under this name: by another thread of this program. */
+        *mine = status == RK_OK && made && strcmp(end.holder, name) == 0;
         if (*mine) {
             break;
         }

@@ -12,7 +12,8 @@
  * Who has a claim must look whether the thing is done already: it may have been finished between
  * the look at its file and the claim.
  *
- * Threads: no state but the worker's.
+ * Threads: no state but the worker's. Threads of one worker exclude each other as workers do, but
+ * only the one that took a claim may give it back.
  */
 #ifndef RK_ENSEMBLE_STORE_CLAIM_H
 #define RK_ENSEMBLE_STORE_CLAIM_H

@@ -62,10 +62,14 @@ def described(reference):
 
 def killed_while_settling(work, reference):
     folder, draw = work / "killed", random.Random(2031)
-    kills = halfway = 0
-    for kills in range(200):
+    halfway = 0
+    for kills in range(100):
         process = start(folder, "--threads", "1", "--checkpoint", "0.01")
-        time.sleep(0.2 * draw.random() * 1.05**kills)
+        if kills % 2:  # for sure while a bed settles, as long as one does
+            wait_for(lambda: beds_of(folder, ".ckpt") or process.poll() is not None)
+            time.sleep(0.02)
+        else:
+            time.sleep(0.1 * draw.random() * 1.2**kills)
         process.kill()
         process.communicate()
         if process.returncode == 0:
@@ -73,12 +77,11 @@ def killed_while_settling(work, reference):
         halfway += len(beds_of(folder, ".ckpt")) > 0
         for path in beds_of(folder):
             assert path.read_bytes() == (reference / "beds" / path.name).read_bytes(), path
-        if (folder / "runs").exists():
-            finished_are_whole(folder, reference)
+        finished_are_whole(folder, reference)
     else:
-        raise AssertionError("not done after 200 kills")
+        raise AssertionError("not done after 100 kills")
     expect_same(folder, reference)
-    assert kills >= 3 and halfway >= 2, (kills, halfway)
+    assert halfway >= 2, (kills, halfway)
     print(f"killed {kills} times, {halfway} times with a bed half settled: the same bytes")
 
 
@@ -108,7 +111,7 @@ def settled_once(work, reference):
             seen.setdefault(path.name, path.stat().st_ino)
     for process in crew:
         said = process.communicate()[1]
-        assert process.returncode == 0, said
+        assert process.returncode == 0, (process.returncode, said)
     assert seen == {path.name: path.stat().st_ino for path in beds_of(folder)}, seen
     expect_same(folder, reference)
     print("three programs of two threads settle every bed once: the same bytes")
@@ -119,7 +122,7 @@ def two_shards(work, reference):
     crew = [start(folder, "--threads", "1", "--shard", f"{i}/3") for i in (1, 2, 3)]
     for process in crew:
         said = process.communicate()[1]
-        assert process.returncode == 0, said
+        assert process.returncode == 0, (process.returncode, said)
     expect_same(folder, reference)
     print("three shards share beds: the same bytes")
 

@@ -5,8 +5,10 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -148,6 +150,51 @@ static void nobody_shares_a_claim(void **state) {
     expect_no_claim_left(f);
 }
 
+/* Threads of one worker exclude each other too, as those that need one bed must. */
+struct contest {
+    struct rk_worker *me;
+    const struct rk_thing *thing;
+    atomic_int inside;
+    atomic_bool crowded;
+};
+
+static void *contend_in_thread(void *context) {
+    struct contest *c = context;
+    for (int takes = 0; takes < TAKES;) {
+        bool mine;
+        if (rk_claim_take(c->me, c->thing, &mine, NULL, NULL) != RK_OK) {
+            atomic_store(&c->crowded, true);
+            break;
+        }
+        if (mine) {
+            if (atomic_fetch_add(&c->inside, 1) != 0) {
+                atomic_store(&c->crowded, true);
+            }
+            takes++;
+            usleep(100);
+            atomic_fetch_sub(&c->inside, 1);
+            rk_claim_release(c->me, c->thing, true);
+        }
+    }
+    return NULL;
+}
+
+static void threads_exclude_each_other(void **state) {
+    const struct fixture *f = *state;
+    enum { THREADS = 6 };
+    struct contest c = {.thing = &f->things[1]};
+    pthread_t threads[THREADS];
+    assert_int_equal(rk_worker_begin(f->folder, &c.me, NULL), RK_OK);
+    for (int t = 0; t < THREADS; t++) {
+        assert_int_equal(pthread_create(&threads[t], NULL, contend_in_thread, &c), 0);
+    }
+    for (int t = 0; t < THREADS; t++) {
+        assert_int_equal(pthread_join(threads[t], NULL), 0);
+    }
+    assert_false(atomic_load(&c.crowded));
+    rk_worker_end(c.me);
+}
+
 /* What is said in a record is read back, and the temporary files of the dead go. */
 static void records_are_read_back(void **state) {
     const struct fixture *f = *state;
@@ -187,6 +234,7 @@ static void records_are_read_back(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(records_are_read_back, make, clear),
+        cmocka_unit_test_setup_teardown(threads_exclude_each_other, make, clear),
         cmocka_unit_test_setup_teardown(nobody_shares_a_claim, make, clear),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
