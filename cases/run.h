@@ -8,7 +8,7 @@
 #define RK_RUN_THREADS(at)                                                                         \
     {                                                                                              \
         .name = "threads", .type = RK_PARAM_COUNT, .offset = (at), .unit = "", .value = 1,         \
-        .low = 1, .high = 256, .later = true,                                                      \
+        .low = 1, .high = 256, .later = true, .speed_only = true,                                  \
         .doc = "threads that step one run, where runs go one at a time; the numbers are the same"  \
     }
 

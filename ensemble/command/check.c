@@ -22,7 +22,7 @@ struct forecast {
     const char *name;
     size_t grains;
     uint64_t steps, periods, samples, samples_per_period, frames, preparation;
-    double dt, stable_dt, cost, disk;
+    double dt, stable_dt, cost, disk; /* of a run, its bed included in the cost */
 };
 
 enum { WARNINGS_MAX = 16, POINTS_SHOWN = 24, MANY_POINTS = 1000 };
@@ -32,10 +32,12 @@ enum { COARSE_SAMPLES = 4, FEW_WINDOWS = 50 };
 
 struct outlook {
     const struct rk_study *study;
+    const struct rk_plan *plan; /* an outline: without its runs */
     struct forecast *points;
     struct rk_speed speed;
     int threads;
     size_t runs;
+    double settling, beds_disk;                            /* what beds add to cost and disk */
     double cost, disk, memory, core_seconds, wall_seconds; /* of the whole study */
     char warnings[WARNINGS_MAX][256];
     size_t warning_count;
@@ -61,10 +63,16 @@ static double file_size(const struct rk_case *scene, const struct forecast *f) {
     return ceil(1.04 * data) + 80 * 1024;
 }
 
+/* A packed state, at most as large as the scene's own arrays, of which those for neighbours are not
+ * packed: a checkpoint, and a bed. */
+static double state_size(const struct forecast *f) {
+    return 250.0 * (double)f->grains;
+}
+
 /* Of a finished run whose study keeps checkpoints: the spool, about as large as the file, and the
  * state. */
 static double kept_size(const struct rk_study *study, const struct forecast *f) {
-    return study->keeps_checkpoints ? f->disk + 250.0 * (double)f->grains : 0;
+    return study->keeps_checkpoints ? f->disk + state_size(f) : 0;
 }
 
 static void look_at_point(struct outlook *o, size_t p) {
@@ -84,10 +92,15 @@ static void look_at_point(struct outlook *o, size_t p) {
         .dt = schedule.dt,
         .stable_dt = schedule.stable_dt,
     };
-    f->cost = (double)f->grains * ((double)f->steps + (double)f->preparation);
+    double settling = (double)f->grains * (double)f->preparation;
+    f->cost = (double)f->grains * (double)f->steps + settling;
     f->disk = file_size(scene, f);
-    o->cost += f->cost * (double)o->study->replicas;
-    o->disk += (f->disk + kept_size(o->study, f)) * (double)o->study->replicas;
+    const struct rk_plan_point *planned = &o->plan->points[p];
+    double runs = (double)planned->count, beds = (double)(planned->count - planned->shared);
+    o->settling += settling * beds;
+    o->beds_disk += state_size(f) * beds;
+    o->cost += (f->cost - settling) * runs + settling * beds;
+    o->disk += (f->disk + kept_size(o->study, f)) * runs + state_size(f) * beds;
 }
 
 /* One line for all points that are alike in it, naming the worst. */
@@ -148,14 +161,13 @@ static void look_at_windows(struct outlook *o, const struct rk_request *request)
     }
 }
 
-/* Memory of a replica beside its scene: a row, a frame, a packed state (at most as large as the
- * scene's own arrays, of which those for neighbours are not packed), and what the file is written
- * through: a chunk of frames and one of rows (store/h5md.c). */
+/* Memory of a replica beside its scene: a row, a frame, a packed state, and what the file is
+ * written through: a chunk of frames and one of rows (store/h5md.c). */
 static double recording_size(const struct rk_case *scene, const struct forecast *f) {
     const double chunk_of_frames = 2.5 * (1 << 19), rows_a_chunk = 4096;
-    double frame = 6.0 * 4.0 * (double)f->grains, state = 250.0 * (double)f->grains;
+    double frame = 6.0 * 4.0 * (double)f->grains;
     double columns = (double)rk_columns_count(scene);
-    return frame + state + fmax(chunk_of_frames, frame) + 8 * columns * (rows_a_chunk + 1);
+    return frame + state_size(f) + fmax(chunk_of_frames, frame) + 8 * columns * (rows_a_chunk + 1);
 }
 
 static void look_at_cost(struct outlook *o, const struct check_options *options) {
@@ -245,6 +257,18 @@ static void print_rest(const struct outlook *o, size_t shown) {
            least_cost, most_cost, o->points[costliest].name, 100 * least_dt, 100 * most_dt);
 }
 
+static void print_beds(const struct outlook *o) {
+    size_t beds = o->plan->beds, runs = o->runs;
+    char text[32];
+    printf("\nbeds      %zu to settle, ", beds);
+    if (beds == runs) {
+        printf("one for each run");
+    } else {
+        printf("shared by %zu runs", runs);
+    }
+    printf(": %.3g grain-steps at most, %s\n", o->settling, bytes(o->beds_disk, text));
+}
+
 static void print(const struct outlook *o) {
     const struct rk_study *study = o->study;
     char a[32], b[32];
@@ -270,7 +294,8 @@ static void print(const struct outlook *o) {
     if (study->point_count > shown) {
         print_rest(o, shown);
     }
-    printf("\ncost      %.3g grain-steps, settling included (at most)\n", o->cost);
+    print_beds(o);
+    printf("cost      %.3g grain-steps, settling included (at most)\n", o->cost);
     if (!isnan(o->speed.grain_steps)) {
         printf("speed     %.3g million grain-steps per core-second, timed with %zu grains\n",
                o->speed.grain_steps / 1e6, o->speed.grains);
@@ -306,6 +331,8 @@ static void print_json(const struct outlook *o) {
         rk_json_count(&json, "periods", f->periods);
         rk_json_count(&json, "steps", f->steps);
         rk_json_count(&json, "preparation_steps_at_most", f->preparation);
+        rk_json_text(&json, "preparation", o->plan->points[p].preparation);
+        rk_json_count(&json, "beds_shared", o->plan->points[p].shared);
         rk_json_count(&json, "samples", f->samples);
         rk_json_count(&json, "frames", f->frames);
         rk_json_number(&json, "dt", f->dt);
@@ -315,6 +342,9 @@ static void print_json(const struct outlook *o) {
         rk_json_close(&json);
     }
     rk_json_close(&json);
+    rk_json_count(&json, "beds", o->plan->beds);
+    rk_json_number(&json, "beds_grain_steps_at_most", o->settling);
+    rk_json_number(&json, "beds_disk_bytes_at_most", o->beds_disk);
     rk_json_number(&json, "grain_steps", o->cost);
     rk_json_number(&json, "grain_steps_per_core_second", o->speed.grain_steps);
     rk_json_number(&json, "core_seconds", o->core_seconds);
@@ -330,40 +360,42 @@ static void print_json(const struct outlook *o) {
     rk_json_close(&json);
 }
 
+static void look_at_all(struct outlook *o, const struct check_options *options) {
+    for (size_t p = 0; p < o->study->point_count; p++) {
+        look_at_point(o, p);
+    }
+    look_at_steps(o);
+    look_at_replicas(o);
+    for (size_t i = 0; i < o->study->request_count; i++) {
+        look_at_windows(o, &o->study->requests[i]);
+    }
+    look_at_cost(o, options);
+}
+
 static int check(const void *options, size_t count, char *const *operands) {
     (void)count;
     const struct check_options *o = options;
+    struct rk_error err = RK_NO_ERROR;
     struct rk_study *study;
+    struct rk_plan *plan = NULL;
     int code = rk_command_load_study(operands[0], &study);
     if (code != RK_EXIT_DONE) {
         return code;
     }
-    struct outlook outlook = {
-        .study = study,
-        .points = calloc(study->point_count, sizeof *outlook.points),
-        .threads = o->threads > 0 ? (int)o->threads : omp_get_max_threads(),
-        .runs = study->point_count * (size_t)study->replicas,
-    };
-    if (!outlook.points) {
-        struct rk_error err = RK_NO_ERROR;
-        rk_fail(&err, RK_EMEMORY, "out of memory");
+    struct outlook outlook = {.study = study,
+                              .points = calloc(study->point_count, sizeof *outlook.points),
+                              .threads = o->threads > 0 ? (int)o->threads : omp_get_max_threads()};
+    enum rk_status status = outlook.points ? rk_plan_outline(study, &plan, &err)
+                                           : rk_fail(&err, RK_EMEMORY, "out of memory");
+    if (status != RK_OK) {
         code = rk_complain(&err);
     } else {
-        for (size_t p = 0; p < study->point_count; p++) {
-            look_at_point(&outlook, p);
-        }
-        look_at_steps(&outlook);
-        look_at_replicas(&outlook);
-        for (size_t i = 0; i < study->request_count; i++) {
-            look_at_windows(&outlook, &study->requests[i]);
-        }
-        look_at_cost(&outlook, o);
-        if (o->json) {
-            print_json(&outlook);
-        } else {
-            print(&outlook);
-        }
+        outlook.plan = plan;
+        outlook.runs = plan->count;
+        look_at_all(&outlook, o);
+        (o->json ? print_json : print)(&outlook);
     }
+    rk_plan_free(plan);
     free(outlook.points);
     rk_study_free(study);
     return code;

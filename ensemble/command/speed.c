@@ -77,7 +77,7 @@ struct rk_speed rk_speed_measure(const struct rk_study *study, const struct rk_p
     memcpy(params, point->params, scene->params->size);
     shrink(scene, params);
     struct rk_stream stream = rk_stream_of(study->seed, point->key, 0, RK_FOR_GRAINS, 0);
-    if (scene->prepare(params, stream, &cancel, &made, &preparation, NULL) == RK_OK) {
+    if (rk_case_prepare(scene, params, stream, &cancel, &made, &preparation, NULL) == RK_OK) {
         speed.grains = rk_scene_grains(made);
         speed.grain_steps = time_steps(made);
         speed.bytes_per_grain = (double)rk_scene_memory(made) / (double)speed.grains;

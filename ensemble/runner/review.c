@@ -62,12 +62,13 @@ enum rk_status rk_crew_look(struct rk_crew *crew, size_t i, struct rk_error *err
 /* What a finished run left over, when the program was killed between its end and the tidying. */
 static enum rk_status tidy(struct rk_crew *crew, size_t i, struct rk_error *err) {
     const struct rk_run *run = &crew->plan->runs[i];
+    const struct rk_thing thing = rk_thing_run(run);
     bool mine;
-    enum rk_status status = rk_claim_take(crew->worker, run, &mine, NULL, err);
+    enum rk_status status = rk_claim_take(crew->worker, &thing, &mine, NULL, err);
     if (status == RK_OK && mine) {
         bool failed = crew->states[i] == RK_RUN_FAILED;
         status = rk_run_tidy(crew->folder, crew->plan, run, failed, err);
-        rk_claim_release(crew->worker, run, true);
+        rk_claim_release(crew->worker, &thing, true);
     }
     return status;
 }

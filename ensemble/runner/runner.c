@@ -1,6 +1,7 @@
 #include "ensemble/runner.h"
 #include "ensemble/runner/clock.h"
 #include "ensemble/runner/crew.h"
+#include "ensemble/store/beds.h"
 #include "ensemble/store/claim.h"
 #include "ensemble/store/index.h"
 
@@ -133,7 +134,10 @@ static void report_on(const struct rk_crew *crew, struct rk_run_report *report) 
  * be right. */
 static enum rk_status leave(struct rk_crew *crew, struct rk_error *err) {
     char who[96];
-    enum rk_status status = rk_worker_retire(crew->worker, err);
+    enum rk_status status = rk_beds_tidy(crew->worker, err);
+    if (status == RK_OK) {
+        status = rk_worker_retire(crew->worker, err);
+    }
     if (status != RK_OK || rk_store_shared(crew->store, who)) {
         return status;
     }

@@ -33,7 +33,7 @@ enum rk_status bench_settle(struct rk_bne *bne, size_t grains, double width, con
     bne->box.width = width;
     bne->grains.count = grains;
     bne->contact.friction = rk_registry_find(&rk_friction_registry, friction);
-    enum rk_status status = rk_case_bne.prepare(bne, stream, NULL, scene, &report, err);
+    enum rk_status status = rk_case_prepare(&rk_case_bne, bne, stream, NULL, scene, &report, err);
     return status ? status : rk_scene_step(*scene, steps, err);
 }
 

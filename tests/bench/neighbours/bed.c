@@ -35,7 +35,7 @@ static enum rk_status settle(const struct rk_neighbour_study *study, struct rk_s
     double begin = wall_seconds();
     enum rk_status status = rk_case_neighbours.check(study, err);
     if (status == RK_OK) {
-        status = rk_case_neighbours.prepare(study, stream, NULL, scene, &report, err);
+        status = rk_case_prepare(&rk_case_neighbours, study, stream, NULL, scene, &report, err);
     }
     if (status == RK_OK) {
         fprintf(stderr, "a bed of %zu grains settled in %.0f steps, %.1f s\n",
@@ -49,7 +49,7 @@ static enum rk_status settle(const struct rk_neighbour_study *study, struct rk_s
 static enum rk_status tile(const struct rk_neighbour_study *study, const struct rk_scene *one,
                            struct rk_scene **scene, struct rk_error *err) {
     const double width = (double)study->bne.grains.count / TILES / study->box.rows;
-    enum rk_status status = rk_case_neighbours.empty(study, scene, err);
+    enum rk_status status = rk_case_empty(&rk_case_neighbours, study, scene, err);
     for (uint32_t k = 0; status == RK_OK && k < TILES; k++) {
         for (uint32_t i = k ? 1 : 0; status == RK_OK && i < rk_scene_grains(one); i++) {
             struct rk_grain grain;
@@ -98,6 +98,6 @@ enum rk_status bed_open(const struct bed *bed, enum method method, size_t thread
     struct rk_neighbour_study study = bed->study;
     study.bne.accuracy.neighbour = rk_registry_find(&rk_neighbour_registry, method_names[method]);
     study.run.threads = threads;
-    enum rk_status status = rk_case_neighbours.empty(&study, scene, err);
+    enum rk_status status = rk_case_empty(&rk_case_neighbours, &study, scene, err);
     return status ? status : rk_scene_unpack(*scene, bed->block, bed->size, err);
 }
