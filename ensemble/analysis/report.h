@@ -44,6 +44,7 @@ void rk_notice_say(const struct rk_notice *notice, const char *format, ...)
 struct rk_gathered {
     double *values;
     size_t *lengths;
+    uint64_t *beds; /* that they began from, as rk_plan_bed counts */
     size_t samples, done, failed, missing;
     double interval;
 };
