@@ -11,8 +11,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Blocks are left out of the data, or the data taken as independent, whichever loses less: this
- * share of the rates must be in blocks that are complete. */
+/* Rates whose block is not complete are left out. Where fewer than this share would stay, too much
+ * would be lost: replicas are taken as independent instead. */
 #define LEAST_SHARE 0.75
 
 /* ---- Complete blocks ----------------------------------------------------------------------- */
