@@ -39,6 +39,7 @@ struct rk_param {
     /* How far something goes and nothing of what happens on the way: with a larger value the same
      * run goes on, so that runs of another value are not another's. */
     bool extends;
+    bool time_step; /* a run that went wrong may be tried again with a smaller one */
     bool later; /* it came when studies had been run: at its default no key or identity has it */
 };
 

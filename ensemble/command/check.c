@@ -284,6 +284,12 @@ static void print(const struct outlook *o) {
             "until     the above is the pilot; at most %llu replicas a point, %.3g grain-steps\n",
             (unsigned long long)study->until.max_replicas, o->cost * most);
     }
+    if (study->retry.times > 0) {
+        printf("retry     runs that go wrong: again up to %llu time%s, with %g of the time step "
+               "before\n",
+               (unsigned long long)study->retry.times, study->retry.times == 1 ? "" : "s",
+               study->retry.step);
+    }
     printf("disk      %s at most\n", bytes(o->disk, a));
     for (size_t i = 0; i < o->warning_count; i++) {
         printf("warning   %s\n", o->warnings[i]);

@@ -116,7 +116,7 @@ static enum rk_status carry_out(struct rk_berth *berth, size_t i, struct rk_erro
         rk_crew_spare(berth, run->cost);
         return rk_run_tidy(crew->folder, crew->plan, run, crew->states[i] == RK_RUN_FAILED, err);
     }
-    status = rk_run_execute(crew->folder, crew->plan, run, &hooks, &failed, err);
+    status = rk_run_tries(crew->folder, crew->plan, run, &hooks, &failed, err);
     if (status == RK_OK) {
         crew->states[i] = failed ? RK_RUN_FAILED : RK_RUN_DONE;
     }

@@ -25,6 +25,7 @@ struct paths {
 struct work {
     const struct rk_plan *plan;
     const struct rk_run *run;
+    const struct rk_try *try;
     const struct rk_run_hooks *hooks;
     const struct rk_case *scene_case;
     const void *params;
@@ -229,8 +230,8 @@ static enum rk_status resume(struct work *w, struct rk_error *err) {
     return RK_OK;
 }
 
-/* Prepare the bed and record step 0. The first checkpoint is taken at once where that took its time:
- * a bed may take longer to settle than its run to be shaken. */
+/* Prepare the bed and record step 0. The first checkpoint is taken at once where that took its
+ * time: a bed may take longer to settle than its run to be shaken. */
 static enum rk_status begin(struct work *w, struct rk_error *err) {
     struct rk_cancel cancel = {w->hooks->stop, w->hooks->context};
     double start = rk_clock();
@@ -331,7 +332,9 @@ static enum rk_status publish(struct work *w, const struct rk_error *failure,
                                 .scene = w->scene,
                                 .preparation = w->preparation,
                                 .failed = failure != NULL,
-                                .reason = failure ? failure->message : NULL};
+                                .reason = failure ? failure->message : NULL,
+                                .retries = w->try->retries,
+                                .failures = w->try->failures};
     const char *partial = w->paths.partial.text;
     enum rk_status status = rk_h5md_write(partial, &outcome, w->spool, err);
     if (status == RK_OK) {
@@ -411,13 +414,15 @@ enum rk_status rk_run_tidy(const char *folder, const struct rk_plan *plan, const
 }
 
 enum rk_status rk_run_execute(const char *folder, const struct rk_plan *plan,
-                              const struct rk_run *run, const struct rk_run_hooks *hooks,
-                              bool *failed, struct rk_error *err) {
-    struct work w = {.plan = plan, .run = run, .hooks = hooks, .scene_case = plan->study->scene};
-    w.params = plan->study->points[run->point].params;
+                              const struct rk_run *run, const struct rk_try *try,
+                              const struct rk_run_hooks *hooks, bool *failed,
+                              struct rk_error *err) {
+    struct work w = {
+        .plan = plan, .run = run, .try = try, .hooks = hooks, .scene_case = plan->study->scene};
+    w.params = try->params;
     w.schedule = w.scene_case->schedule(w.params);
     w.focus = w.scene_case->focus(w.params);
-    w.origin = rk_origin_of(plan, run);
+    w.origin = rk_origin_of_try(plan, run, try->retries);
     struct rk_error why = RK_NO_ERROR;
     enum rk_status status = set_paths(&w.paths, folder, run, err);
     if (status != RK_OK) {

@@ -23,19 +23,32 @@ struct rk_run_hooks {
     double checkpoint_every; /* seconds between two checkpoints; 0: at every sample */
 };
 
-/* Carry out a run in a study folder (which must have its "runs"). RK_OK: its file is there, and
- * *failed tells whether it records a failure. RK_EINTERRUPTED: stopped on request, with a
- * checkpoint unless it was still being prepared. RK_ECONFLICT: it is another program's by now.
+/* Which try of a run it is (struct rk_retry). */
+struct rk_try {
+    uint64_t retries;
+    const void *params;   /* of its point, with the time steps of this try */
+    const char *failures; /* why the tries before went wrong, a line each; NULL for the first */
+};
+
+/* Carry out a try of a run in a study folder (which must have its "runs"). RK_OK: its file is
+ * there, and *failed tells whether it records a failure. RK_EINTERRUPTED: stopped on request, with
+ * a checkpoint unless it was still being prepared. RK_ECONFLICT: it is another program's by now.
  * RK_EINVALID, RK_EMEMORY, RK_EIO: it could not be
  * carried out; what it had so far is kept as it is. */
 enum rk_status rk_run_execute(const char *folder, const struct rk_plan *plan,
-                              const struct rk_run *run, const struct rk_run_hooks *hooks,
-                              bool *failed, struct rk_error *err);
+                              const struct rk_run *run, const struct rk_try *try,
+                              const struct rk_run_hooks *hooks, bool *failed, struct rk_error *err);
+
+/* The same with all the retries that it needs and its study gives it, from the first or from the
+ * one that the file which is there leads to. */
+enum rk_status rk_run_tries(const char *folder, const struct rk_plan *plan,
+                            const struct rk_run *run, const struct rk_run_hooks *hooks,
+                            bool *failed, struct rk_error *err);
 
 /* Remove what a finished run does not need any more: all that it keeps while it runs, unless the
  * study keeps the checkpoints (and with them the spools) of runs that are done. */
-enum rk_status rk_run_tidy(const char *folder, const struct rk_plan *plan,
-                           const struct rk_run *run, bool failed, struct rk_error *err);
+enum rk_status rk_run_tidy(const char *folder, const struct rk_plan *plan, const struct rk_run *run,
+                           bool failed, struct rk_error *err);
 
 /* Remove what a run keeps while it runs: checkpoints, spool, an unfinished file. */
 enum rk_status rk_run_clean(const char *folder, const struct rk_run *run, struct rk_error *err);

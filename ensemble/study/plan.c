@@ -36,6 +36,9 @@ static enum rk_status identify(struct rk_plan *plan, struct rk_error *err) {
         XXH3_128bits_update(all, plan->points[p].identity, RK_IDENTITY);
         XXH3_128bits_update(all, &plan->points[p].steps, sizeof plan->points[p].steps);
     }
+    if (study->retry.times > 0) {
+        XXH3_128bits_update(all, &study->retry, sizeof study->retry);
+    }
     write_hash(XXH3_128bits_digest(all), plan->identity);
     XXH3_freeState(all);
     rk_canonical_free(canonical);

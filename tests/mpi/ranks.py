@@ -137,9 +137,11 @@ def analyze(folder):
 
 
 def any_mix(work):
-    """Started on threads, killed, continued under mpirun, finished by shards, extended."""
+    """Started on threads, killed, continued under mpirun, finished by shards, extended; with some
+    runs that fail and are tried again with smaller steps."""
     study, more = work / "mix.yaml", work / "more.yaml"
-    text = STUDY.read_text() + ANALYSES
+    text = STUDY.read_text().replace("base:\n", "base:\n  health.travel: 0.0036\n") + ANALYSES
+    text += "retry: {step: 0.5, times: 2}\n"
     study.write_text(text.replace("replicas: 3", "replicas: 6"))
     more.write_text(text.replace("replicas: 3", "replicas: 8"))
     folder = work / "mix"
@@ -176,6 +178,7 @@ def any_mix(work):
     assert analyze(folder) == analyze(work / "plain")
     expect_same(folder, work / "plain")
     assert done[2] == 12 and done[3] == 16, done
+    assert 0 < status(folder)["retried"] < 16, status(folder)
     print(f"threads, killed with {done[0]} done; mpirun, a rank killed with {done[1]}; two shards, "
           f"{done[2]}; extended under mpirun, {done[3]}: the same bytes, analyses too")
 

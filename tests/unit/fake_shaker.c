@@ -117,11 +117,25 @@ enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t
         .unit = "", .value = standard, .low = 0, .high = 1e9, .doc = #member, .extends = longer    \
     }
 static const struct rk_param rows[] = {
-    ROW(grains, RK_PARAM_COUNT, 20, false), ROW(periods, RK_PARAM_COUNT, 8, true),
-    ROW(samples, RK_PARAM_COUNT, 5, false), ROW(frames, RK_PARAM_COUNT, 1, false),
-    ROW(blow_up, RK_PARAM_REAL, 0, false),  ROW(rotates, RK_PARAM_FLAG, 0, false),
+    ROW(grains, RK_PARAM_COUNT, 20, false),
+    ROW(periods, RK_PARAM_COUNT, 8, true),
+    ROW(samples, RK_PARAM_COUNT, 5, false),
+    ROW(frames, RK_PARAM_COUNT, 1, false),
+    ROW(blow_up, RK_PARAM_REAL, 0, false),
+    ROW(rotates, RK_PARAM_FLAG, 0, false),
+    ROW(bears, RK_PARAM_REAL, 0, false),
+    {.name = "step",
+     .type = RK_PARAM_REAL,
+     .offset = offsetof(struct fake_shaker_params, step),
+     .unit = "",
+     .value = 1,
+     .low = 0.01,
+     .high = 1,
+     .doc = "time step",
+     .time_step = true},
 };
-static const struct rk_param_group groups[] = {{"shaker", rows, 6, 0, false}};
+static const struct rk_param_group groups[] = {
+    {"shaker", rows, sizeof rows / sizeof *rows, 0, false}};
 static const struct rk_param_table table = {groups, 1, sizeof(struct fake_shaker_params)};
 
 static enum rk_status check(const void *params, struct rk_error *err) {
@@ -131,11 +145,11 @@ static enum rk_status check(const void *params, struct rk_error *err) {
 
 static struct rk_schedule schedule(const void *params) {
     const struct fake_shaker_params *p = params;
-    uint64_t period = 40 * p->samples;
-    return (struct rk_schedule){.dt = 0.01,
-                                .period = 0.01 * (double)period,
+    uint64_t sample_every = (uint64_t)(40 / p->step), period = sample_every * p->samples;
+    return (struct rk_schedule){.dt = 0.01 * p->step,
+                                .period = 0.01 * p->step * (double)period,
                                 .steps = p->periods * period,
-                                .sample_every = 40,
+                                .sample_every = sample_every,
                                 .samples_per_period = p->samples,
                                 .frame_every = p->frames * period,
                                 .stable_dt = 0.1};
@@ -161,10 +175,10 @@ static enum rk_status empty(const void *params, struct rk_scene **out, struct rk
     if (!scene) {
         return rk_fail(err, RK_EMEMORY, "no memory");
     }
-    scene->spec.dt = 0.01;
+    scene->spec.dt = 0.01 * p->step;
     scene->spec.period_x = 10;
     scene->rotates = p->rotates;
-    scene->blow_up = p->blow_up;
+    scene->blow_up = p->step <= p->bears ? 0 : p->blow_up;
     *out = scene;
     return RK_OK;
 }
@@ -176,7 +190,7 @@ static enum rk_status prepare(const void *params, struct rk_stream stream,
     if (cancel && cancel->asked(cancel->context)) {
         return rk_fail(err, RK_EINTERRUPTED, "given up");
     }
-    if (p->blow_up == 1) {
+    if (p->blow_up == 1 && p->step > p->bears) {
         return rk_fail(err, RK_EUNSTABLE, "the bed would not come to rest");
     }
     enum rk_status status = empty(params, out, err);
