@@ -35,12 +35,14 @@ struct rk_param {
     double low, high;   /* the range of REAL and COUNT, both ends included ... */
     bool above_low;     /* ... unless the low end is not */
     const struct rk_registry *choices;
+    const char *zero; /* of a COUNT: the word for 0, which may be below the range; or NULL */
     const char *doc;
     /* How far something goes and nothing of what happens on the way: with a larger value the same
      * run goes on, so that runs of another value are not another's. */
     bool extends;
     bool time_step; /* a run that went wrong may be tried again with a smaller one */
-    bool later; /* it came when studies had been run: at its default no key or identity has it */
+    bool later;  /* it came when studies had been run: at its default no key or identity has it */
+    bool silent; /* nothing of a run depends on it: no key, identity or run's file has it */
 };
 
 struct rk_param_group {

@@ -177,6 +177,9 @@ enum rk_status rk_bed_settle(struct rk_scene *scene, const struct rk_settle_spec
         if (cancel && cancel->asked(cancel->context)) {
             return rk_fail(err, RK_EINTERRUPTED, "stopped while the bed was settling");
         }
+        if (cancel && cancel->between) {
+            cancel->between(cancel->context, scene);
+        }
         enum rk_status status = rk_scene_step(scene, STRIDE, err);
         if (status) {
             return status;

@@ -25,7 +25,7 @@ struct rk_progress {
 struct rk_ranks;
 
 struct rk_runner_options {
-    int threads;                 /* 0: as many as OpenMP gives */
+    int threads;                 /* 0: as many as OpenMP gives, over those of a scene if fixed */
     struct rk_ranks *ranks;      /* runner/ranks.h; NULL: this process decides for itself */
     size_t shard, shards;        /* only that part of the plan, 1 <= shard <= shards; 0, 0: all */
     bool retry_failed;           /* runs that are there as failed are done again from the start */

@@ -159,6 +159,11 @@ double rk_retry_step(const struct rk_retry *retry, uint64_t retries);
 void rk_retry_point(const struct rk_study *study, const struct rk_point *point, uint64_t retries,
                     void *params);
 
+/* The threads that the study gives each scene of a point (run.threads), 0: none in particular; and
+ * the most that it gives to any. */
+uint64_t rk_study_threads(const struct rk_study *study, size_t point);
+uint64_t rk_study_most_threads(const struct rk_study *study);
+
 /* The random stream of a run. */
 struct rk_stream rk_run_stream(const struct rk_plan *plan, const struct rk_run *run,
                                enum rk_purpose purpose, uint64_t step);

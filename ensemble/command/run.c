@@ -1,6 +1,7 @@
 /* reckon run: carry out what is missing of a study. */
 #include "ensemble/analysis/target.h"
 #include "ensemble/command/command.h"
+#include "ensemble/command/outlook.h"
 #include "ensemble/command/progress.h"
 #include "ensemble/runner.h"
 #include "ensemble/runner/ranks.h"
@@ -54,7 +55,7 @@ static const struct rk_option options[] = {
     {.name = "retry-failed",
      .type = RK_OPTION_FLAG,
      .offset = offsetof(struct run_options, retry_failed),
-     .doc = "replicas that failed are done again (with smaller steps: 'retry' in the study)"},
+     .doc = "replicas that failed are done again, as they were"},
     {.name = "quiet",
      .letter = 'q',
      .type = RK_OPTION_FLAG,
@@ -214,6 +215,10 @@ static int run_plan(const char *folder, const struct rk_plan *plan, const struct
     if (!led && rk_store_mended(store)) {
         rk_warn("'%s/plan.h5' was missing or damaged and is written again", folder);
     }
+    char words[256];
+    if (!led && o->threads > 0 && rk_outlook_crowded(plan->study, (int)o->threads, words)) {
+        rk_warn("%s", words);
+    }
     size_t surplus = led ? 0 : rk_store_surplus(folder, plan);
     if (surplus > 0) {
         rk_warn("'%s' holds %zu finished run%s beyond what the study asks for now; "
@@ -295,7 +300,8 @@ const struct rk_command rk_command_run = {
     .summary = "carry out a study: start it, resume it, extend it",
     .usage = "STUDY [-o DIR] [--shard I/N]",
     .about = "Carries out the replicas that are missing in the study's folder, one a core, the\n"
-             "longest first. Ctrl-C keeps what is done and lets running replicas write a\n"
+             "longest first; cores that have none help with large ones. Ctrl-C keeps what is done "
+             "and lets running replicas write a\n"
              "checkpoint; the same command goes on from there, also after a power cut, with the\n"
              "same bytes in the end. More replicas in the study file are added to those there.\n"
              "Replicas that went wrong stay failed, unless the study has 'retry' ({step: 0.5,\n"

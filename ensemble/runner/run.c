@@ -233,7 +233,7 @@ static enum rk_status resume(struct work *w, struct rk_error *err) {
 /* Prepare the bed and record step 0. The first checkpoint is taken at once where that took its
  * time: a bed may take longer to settle than its run to be shaken. */
 static enum rk_status begin(struct work *w, struct rk_error *err) {
-    struct rk_cancel cancel = {w->hooks->stop, w->hooks->context};
+    struct rk_cancel cancel = {w->hooks->stop, w->hooks->between, w->hooks->context};
     double start = rk_clock();
     enum rk_status status =
         w->scene_case->prepare(w->params, rk_run_stream(w->plan, w->run, RK_FOR_GRAINS, 0),
@@ -269,6 +269,17 @@ static uint64_t next_moment(const struct rk_schedule *s, uint64_t step) {
     return next < s->steps ? next : s->steps;
 }
 
+/* Steps on a number of threads that is being tried: on a busy machine threads that wait for one
+ * another are hundreds of times as slow. */
+static const uint64_t a_few_steps = 8;
+
+static bool look_between(const struct work *w) {
+    if (w->hooks->between) {
+        w->hooks->between(w->hooks->context, w->scene);
+    }
+    return w->hooks->tries && w->hooks->tries(w->hooks->context);
+}
+
 /* Step to `target`, a few milliseconds at a time. */
 static enum rk_status step_to(struct work *w, uint64_t target, struct rk_error *err) {
     double grains = (double)rk_scene_grains(w->scene) + 1;
@@ -276,7 +287,8 @@ static enum rk_status step_to(struct work *w, uint64_t target, struct rk_error *
     uint64_t step = rk_scene_steps(w->scene);
     enum rk_status status = RK_OK;
     while (status == RK_OK && step < target) {
-        uint64_t steps = target - step < piece ? target - step : piece;
+        uint64_t most = look_between(w) ? a_few_steps : piece;
+        uint64_t steps = target - step < most ? target - step : most;
         status = rk_scene_step(w->scene, steps, err);
         step += steps;
         advance(w, (grains - 1) * (double)steps);

@@ -14,10 +14,12 @@
 
 /* What a run tells and asks while it goes; any function may be NULL. */
 struct rk_run_hooks {
-    bool (*stop)(void *context);                        /* asked every few milliseconds */
-    void (*message)(void *context, const char *line);   /* something worth a line */
-    void (*advance)(void *context, double grain_steps); /* so much was just done */
-    void (*spare)(void *context, double grain_steps);   /* so much of its cost is not needed */
+    bool (*stop)(void *context);                            /* asked every few milliseconds */
+    void (*message)(void *context, const char *line);       /* something worth a line */
+    void (*advance)(void *context, double grain_steps);     /* so much was just done */
+    void (*spare)(void *context, double grain_steps);       /* so much of its cost is not needed */
+    void (*between)(void *context, struct rk_scene *scene); /* two steps: may set its threads; */
+    bool (*tries)(void *context); /* asked then: is it to be called again soon? */
     bool (*holds)(void *context); /* asked before files change: is the run still this program's? */
     void *context;
     double checkpoint_every; /* seconds between two checkpoints; 0: at every sample */

@@ -67,7 +67,8 @@ static enum rk_status compare_point(const char *folder, const struct rk_study *s
     for (size_t i = 0; i < rk_param_total(table); i++) {
         struct rk_param_line a = rk_param_line(table, i, there->params);
         struct rk_param_line b = rk_param_line(table, i, asked->params);
-        if (strcmp(a.text, b.text) != 0 && !rk_param_at(table, i).row->extends) {
+        const struct rk_param *row = rk_param_at(table, i).row;
+        if (strcmp(a.text, b.text) != 0 && !row->extends && !row->silent) {
             char what[RK_PARAM_PATH + RK_NAME + 16];
             snprintf(what, sizeof what, "%s (point %s)", a.path, there->name);
             return differs(folder, err, what, a.text, b.text);

@@ -2,6 +2,7 @@
 #include "ensemble/study/private.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include <xxhash.h>
 
 static void write_hash(XXH128_hash_t hash, char identity[RK_IDENTITY]) {
@@ -11,7 +12,7 @@ static void write_hash(XXH128_hash_t hash, char identity[RK_IDENTITY]) {
 
 /* A longer run begins with the bytes of a shorter one: its length is not what it is. */
 static bool in_identity(struct rk_param_ref ref) {
-    return !ref.row->extends;
+    return !ref.row->extends && !ref.row->silent;
 }
 
 /* The digests of what decides the bytes of the runs. */
@@ -102,6 +103,25 @@ void rk_plan_free(struct rk_plan *plan) {
         free(plan->runs);
         free(plan);
     }
+}
+
+uint64_t rk_study_threads(const struct rk_study *study, size_t point) {
+    struct rk_param_ref ref = rk_param_find(study->scene->params, "run.threads");
+    uint64_t threads = 0;
+    if (ref.row) {
+        const char *group = (const char *)study->points[point].params + ref.group->offset;
+        memcpy(&threads, group + ref.row->offset, sizeof threads);
+    }
+    return threads;
+}
+
+uint64_t rk_study_most_threads(const struct rk_study *study) {
+    uint64_t most = 0;
+    for (size_t p = 0; p < study->point_count; p++) {
+        uint64_t threads = rk_study_threads(study, p);
+        most = threads > most ? threads : most;
+    }
+    return most;
 }
 
 struct rk_stream rk_run_stream(const struct rk_plan *plan, const struct rk_run *run,

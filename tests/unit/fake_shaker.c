@@ -62,6 +62,12 @@ const struct rk_scene_spec *rk_scene_spec(const struct rk_scene *scene) {
     return &scene->spec;
 }
 
+enum rk_status rk_scene_set_threads(struct rk_scene *scene, size_t threads, struct rk_error *err) {
+    (void)err;
+    scene->spec.threads = threads;
+    return RK_OK;
+}
+
 bool rk_scene_rotates(const struct rk_scene *scene) {
     return scene->rotates;
 }
