@@ -57,6 +57,7 @@ static enum rk_status estimate(const struct gathered_point *point, const struct 
     outcome->used = g->done;
     outcome->failed = g->failed;
     outcome->missing = g->missing;
+    outcome->retried = g->retried;
     if (status == RK_EMEMORY || outcome->result.short_of_memory) {
         return rk_fail(err, RK_EMEMORY, "out of memory in the analysis of point %s",
                        point->data.point);

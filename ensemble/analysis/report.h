@@ -42,6 +42,7 @@ struct rk_gathered {
     double *values;
     size_t *lengths;
     size_t samples, done, failed, missing;
+    size_t retried; /* of those done, with smaller steps after failing */
     double interval;
 };
 

@@ -17,13 +17,14 @@ static void write_value(struct rk_h5 *h5, hid_t group, const struct rk_value *va
 
 static void write_outcome(struct rk_h5 *h5, hid_t parent, const struct rk_outcome *outcome) {
     hid_t group = rk_h5_group(h5, parent, outcome->point);
-    uint64_t counts[] = {outcome->used, outcome->failed, outcome->missing};
+    uint64_t counts[] = {outcome->used, outcome->failed, outcome->missing, outcome->retried};
     uint8_t refused = outcome->result.refused;
     rk_h5_note(h5, group, "verdict", outcome->result.verdict);
     rk_h5_note_value(h5, group, "refused", RK_H5_BYTE, 0, &refused);
     rk_h5_note_value(h5, group, "used", RK_H5_COUNT, 0, &counts[0]);
     rk_h5_note_value(h5, group, "failed", RK_H5_COUNT, 0, &counts[1]);
     rk_h5_note_value(h5, group, "missing", RK_H5_COUNT, 0, &counts[2]);
+    rk_h5_note_value(h5, group, "retried", RK_H5_COUNT, 0, &counts[3]);
     for (size_t i = 0; i < outcome->result.count; i++) {
         write_value(h5, group, &outcome->result.values[i]);
     }

@@ -59,6 +59,11 @@ static void print_entry(const struct rk_report_entry *entry, const struct rk_stu
         fputc('\n', out);
     }
     for (size_t p = 0; p < study->point_count; p++) {
+        const struct rk_outcome *o = &entry->outcomes[p];
+        if (o->retried > 0) {
+            fprintf(out, "  %s: %zu of %zu replicas %s run with smaller time steps after failing\n",
+                    o->point, o->retried, o->used, o->retried == 1 ? "was" : "were");
+        }
         fprintf(out, "  %s: %s\n", entry->outcomes[p].point, entry->outcomes[p].result.verdict);
     }
 }
@@ -93,6 +98,7 @@ static void write_entry(const struct rk_report *report, const struct rk_report_e
         rk_json_count(json, "used", o->used);
         rk_json_count(json, "failed", o->failed);
         rk_json_count(json, "missing", o->missing);
+        rk_json_count(json, "retried", o->retried);
         rk_result_write_json(&o->result, json);
         rk_json_close(json);
     }

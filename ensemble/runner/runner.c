@@ -10,9 +10,17 @@
 #include <stdlib.h>
 #include <time.h>
 
+/* A core a replica; fewer replicas at a time where the study gives each several. */
+static int default_threads(const struct rk_plan *plan) {
+    int cores = omp_get_max_threads();
+    uint64_t most = rk_study_most_threads(plan->study);
+    most = most > 1 ? most : 1;
+    return most < (uint64_t)cores ? cores / (int)most : 1;
+}
+
 static enum rk_status prepare(struct rk_crew *crew, struct rk_error *err) {
     const struct rk_runner_options *options = crew->options;
-    crew->threads = options->threads > 0 ? options->threads : omp_get_max_threads();
+    crew->threads = options->threads > 0 ? options->threads : default_threads(crew->plan);
     crew->states = calloc(crew->plan->count + 1, 1);
     crew->berths = calloc((size_t)crew->threads, sizeof *crew->berths);
     if (!crew->states || !crew->berths) {
@@ -20,6 +28,7 @@ static enum rk_status prepare(struct rk_crew *crew, struct rk_error *err) {
     }
     for (int t = 0; t < crew->threads; t++) {
         crew->berths[t].crew = crew;
+        crew->berths[t].pace = rk_pace_of_one();
     }
     crew->start = rk_clock();
     return rk_crew_deal(crew, err);

@@ -1,6 +1,7 @@
 /* study.h5: one file to open for everything that a study has come to.
  *
- *     /runs                                 id, point, replica, state of every run of the plan
+ *     /runs                                 id, point, replica, state and retries of every run of
+ *                                           the plan
  *     /files/<id>                           external link to the file of a run that has one
  *     /observables/<point>/complete         [replica] 1 where the run is done, else 0
  *     /observables/<point>/interval         between two samples

@@ -225,31 +225,29 @@ void rk_store_close(struct rk_store *store) {
 
 /* ---- What is there of a run ---- */
 
-enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_plan *plan,
-                                      const struct rk_run *run, char reason[512]) {
+struct rk_run_facts rk_store_run_facts(const char *folder, const struct rk_plan *plan,
+                                       const struct rk_run *run) {
+    struct rk_run_facts facts = {.state = RK_RUN_WAITING};
     struct rk_path path;
     struct rk_seal seal;
-    if (reason) {
-        reason[0] = '\0';
-    }
     if (rk_path_of_run(&path, folder, run->id, ".h5", NULL) != RK_OK) {
-        return RK_RUN_WAITING;
+        return facts;
     }
     if (rk_seal_read(path.text, &seal, NULL) == RK_OK && rk_origin_is(&seal.origin, plan, run) &&
-        seal.steps == plan->points[run->point].steps) {
-        if (reason) {
-            memcpy(reason, seal.reason, sizeof seal.reason);
-        }
-        return seal.state == RK_SEAL_FAILED ? RK_RUN_FAILED : RK_RUN_DONE;
+        seal.steps == plan->points[run->point].steps && rk_seal_is_last(&seal, plan->study)) {
+        facts.state = seal.state == RK_SEAL_FAILED ? RK_RUN_FAILED : RK_RUN_DONE;
+        facts.retries = seal.retries;
+        memcpy(facts.reason, seal.reason, sizeof facts.reason);
+    } else if (rk_path_of_run(&path, folder, run->id, ".ckpt", NULL) == RK_OK &&
+               rk_checkpoint_exists(path.text)) {
+        facts.state = RK_RUN_STARTED;
     }
-    bool started = rk_path_of_run(&path, folder, run->id, ".ckpt", NULL) == RK_OK &&
-                   rk_checkpoint_exists(path.text);
-    return started ? RK_RUN_STARTED : RK_RUN_WAITING;
+    return facts;
 }
 
 enum rk_run_state rk_store_run_state(const char *folder, const struct rk_plan *plan,
                                      const struct rk_run *run) {
-    return rk_store_run_reason(folder, plan, run, NULL);
+    return rk_store_run_facts(folder, plan, run).state;
 }
 
 size_t rk_store_surplus(const char *folder, const struct rk_plan *plan) {
