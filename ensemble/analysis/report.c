@@ -145,6 +145,9 @@ enum rk_status rk_report_create(const char *folder, const struct rk_plan *plan,
         status = fill(folder, notice, made, err);
     }
     if (status == RK_OK) {
+        status = rk_target_look(folder, plan, &made->targets, err);
+    }
+    if (status == RK_OK) {
         *report = made;
     } else {
         rk_report_free(made);
@@ -164,5 +167,6 @@ void rk_report_free(struct rk_report *report) {
         free(outcomes);
     }
     free(report->entries);
+    free(report->targets);
     free(report);
 }

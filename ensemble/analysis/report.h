@@ -8,6 +8,7 @@
 #define RK_ENSEMBLE_ANALYSIS_REPORT_H
 
 #include "ensemble/analysis/result.h"
+#include "ensemble/analysis/target.h"
 #include "ensemble/study.h"
 
 #include <stdio.h>
@@ -25,7 +26,8 @@ struct rk_report {
     const struct rk_plan *plan;
     struct rk_report_entry *entries;
     size_t count;
-    size_t used; /* runs */
+    size_t used;                       /* runs */
+    struct rk_target_outcome *targets; /* [points] of the study's `until`, NULL without one */
 };
 
 /* Told about what is left out or not drawn. NULL, or without a function, it is not told. */
@@ -83,9 +85,9 @@ enum rk_status rk_report_plot_as(const struct rk_picture *model, const char *end
 /* The names of the files that rk_report_write wrote. */
 void rk_report_print_files(const struct rk_report *report, const char *folder, FILE *out);
 
-/* The closing table, and the same for machines. */
-void rk_report_print(const struct rk_report *report, FILE *out);
-void rk_report_print_json(const struct rk_report *report, FILE *out);
+/* The closing table, and the same for machines; `rate` as in target.h. */
+void rk_report_print(const struct rk_report *report, double rate, FILE *out);
+void rk_report_print_json(const struct rk_report *report, double rate, FILE *out);
 
 /* One analysis as JSON, as in LABEL.json. */
 void rk_report_entry_json(const struct rk_report *report, const struct rk_report_entry *entry,

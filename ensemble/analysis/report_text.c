@@ -68,13 +68,14 @@ static void print_entry(const struct rk_report_entry *entry, const struct rk_stu
     }
 }
 
-void rk_report_print(const struct rk_report *report, FILE *out) {
+void rk_report_print(const struct rk_report *report, double rate, FILE *out) {
     for (size_t i = 0; i < report->count; i++) {
         if (i > 0) {
             fputc('\n', out);
         }
         print_entry(&report->entries[i], report->plan->study, out);
     }
+    rk_target_print(report->plan, report->targets, rate, out);
 }
 
 static void write_entry(const struct rk_report *report, const struct rk_report_entry *entry,
@@ -122,7 +123,7 @@ void rk_report_entry_json(const struct rk_report *report, const struct rk_report
     rk_json_close(&json);
 }
 
-void rk_report_print_json(const struct rk_report *report, FILE *out) {
+void rk_report_print_json(const struct rk_report *report, double rate, FILE *out) {
     struct rk_json json = rk_json_of(out);
     rk_json_open_map(&json, NULL);
     write_study(report, &json);
@@ -133,5 +134,6 @@ void rk_report_print_json(const struct rk_report *report, FILE *out) {
         rk_json_close(&json);
     }
     rk_json_close(&json);
+    rk_target_json(report->plan, report->targets, rate, &json);
     rk_json_close(&json);
 }

@@ -243,14 +243,17 @@ static int run_plan(const char *folder, const struct rk_plan *plan, const struct
 }
 
 /* As one of several ranks, if mpirun or the like started this program. */
-static int run_ranked(const char *folder, const struct rk_plan *plan, const struct run_options *o) {
+static int run_ranked(const char *folder, const struct rk_plan *plan, const struct run_options *o,
+                      bool *leads) {
     struct rk_ranks *ranks = NULL;
     struct rk_error err = RK_NO_ERROR;
+    *leads = false;
     if (rk_ranks_wanted() && rk_ranks_join(&ranks, &err) != RK_OK) {
         return rk_complain(&err);
     }
     /* A rank that never met the others ends without leave, and mpirun ends them. */
     bool met = false;
+    *leads = rk_ranks_number(ranks) == 0;
     int code = run_plan(folder, plan, o, ranks, &met);
     if (met) {
         rk_ranks_leave(ranks);
@@ -258,25 +261,46 @@ static int run_ranked(const char *folder, const struct rk_plan *plan, const stru
     return code;
 }
 
+/* A shard or a rank knows of its own part only: the rest of a study with a precision target is
+ * another call's. */
+static void say_rest(const struct rk_study *study, bool more) {
+    bool decided = true;
+    for (size_t p = 0; p < study->point_count; p++) {
+        decided = decided && study->points[p].replicas > 0;
+    }
+    if (!decided) {
+        printf("next: until decides on more replicas when the pilot is whole; call all parts once "
+               "more then\n");
+    } else if (more) {
+        printf("next: until asks for more replicas; call all parts once more\n");
+    }
+}
+
 /* Once, or twice for a study with a precision target: its pilot, and what that showed to be needed.
- * Ranks meet only once in a program, so under mpirun the second part is another call's. */
+ * Ranks meet only once in a program, and a shard of the pilot may be done before the others are:
+ * then the second part is another call's. */
 static int run_to_target(const char *folder, struct rk_study *study, const struct run_options *o) {
     struct rk_error err = RK_NO_ERROR;
+    const bool part = rk_ranks_wanted() || o->shard;
     int code = RK_EXIT_DONE;
     for (bool more = true; more;) {
         struct rk_plan *plan = NULL;
         bool known;
-        more = false;
         if (rk_target_settle(folder, study, &known, &err) != RK_OK ||
             rk_plan_create(study, &plan, &err) != RK_OK) {
             return rk_complain(&err);
         }
-        code = run_ranked(folder, plan, o);
+        bool leads;
+        code = run_ranked(folder, plan, o, &leads);
         rk_plan_free(plan);
-        bool fine = code == RK_EXIT_DONE || code == RK_EXIT_REPLICAS;
-        if (fine && !rk_ranks_wanted() && rk_target_settle(folder, study, &more, &err) != RK_OK) {
+        more = code == RK_EXIT_DONE || code == RK_EXIT_REPLICAS;
+        if (more && rk_target_settle(folder, study, &more, &err) != RK_OK) {
             return rk_complain(&err);
         }
+        if (part && leads && study->until.request && !o->quiet) {
+            say_rest(study, more);
+        }
+        more = more && !rk_ranks_wanted();
     }
     return code;
 }

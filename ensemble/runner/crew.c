@@ -96,6 +96,7 @@ static void end(struct rk_berth *berth, size_t i, bool finished) {
     crew->progress.running--;
     if (finished) {
         crew->troubles = 0;
+        crew->effort.runs++;
         crew->progress.done += crew->states[i] == RK_RUN_DONE;
         crew->progress.failed += crew->states[i] == RK_RUN_FAILED;
     }

@@ -14,6 +14,7 @@
 #include "ensemble/runner.h"
 #include "ensemble/runner/pace.h"
 #include "ensemble/runner/ranks.h"
+#include "ensemble/store/effort.h"
 #include "ensemble/store/worker.h"
 
 #include <pthread.h>
@@ -51,9 +52,10 @@ struct rk_crew {
     size_t working, lent; /* cores: berths that may get runs, and what scenes have beside those */
     struct rk_progress progress;
     double start, last;
-    struct rk_error first; /* that kept a run from being carried out */
-    int troubles;          /* runs in a row that met an error of the disk */
-    size_t *order;         /* the runs to do now, a part of share[] */
+    struct rk_effort effort; /* of this process */
+    struct rk_error first;   /* that kept a run from being carried out */
+    int troubles;            /* runs in a row that met an error of the disk */
+    size_t *order;           /* the runs to do now, a part of share[] */
     size_t count, next;
     bool dealing;         /* also to other ranks */
     pthread_cond_t ended; /* of the work: the pulse need not wait its turn */

@@ -37,18 +37,97 @@ static void write_links(struct rk_h5 *h5, const struct rk_plan *plan,
     rk_h5_release(h5, files);
 }
 
-/* Map row `row` of a virtual dataset to the values in a run's file. */
-static bool map_row(hid_t creation, hid_t space, size_t row, hsize_t samples, const char *id,
-                    const char *values) {
-    char name[RK_RUN_ID + 16];
-    snprintf(name, sizeof name, "runs/%s.h5", id);
-    hsize_t from[2] = {row, 0}, size[2] = {1, samples};
-    hid_t source = H5Screate_simple(1, &samples, NULL);
-    bool fine = source >= 0 &&
-                H5Sselect_hyperslab(space, H5S_SELECT_SET, from, NULL, size, NULL) >= 0 &&
-                H5Pset_virtual(creation, space, name, values, source) >= 0;
+/* HDF5 keeps some ten kilobytes for every row that a virtual dataset maps. So that memory does not
+ * grow with the number of replicas, one of many is put together from parts of so many rows. */
+enum { ROWS_A_PART = 256 };
+
+/* A virtual dataset in the making. */
+struct mosaic {
+    hid_t space, creation;
+    hsize_t samples;
+    bool fine;
+};
+
+static struct mosaic mosaic_of(size_t rows, hsize_t samples) {
+    const double missing = NAN;
+    hsize_t dims[2] = {rows, samples};
+    struct mosaic m = {.space = H5Screate_simple(2, dims, NULL),
+                       .creation = rk_h5_properties(H5P_DATASET_CREATE),
+                       .samples = samples};
+    m.fine = m.space >= 0 && H5Pset_fill_value(m.creation, H5T_NATIVE_DOUBLE, &missing) >= 0;
+    return m;
+}
+
+/* Its `rows` rows from `row` on are the dataset `values`, of as many, of a file; of one row, values
+ * without rows. */
+static void map_rows(struct mosaic *m, size_t row, size_t rows, const char *file,
+                     const char *values) {
+    hsize_t from[2] = {row, 0}, size[2] = {rows, m->samples};
+    hid_t source =
+        rows > 1 ? H5Screate_simple(2, size, NULL) : H5Screate_simple(1, &m->samples, NULL);
+    m->fine = m->fine && source >= 0 &&
+              H5Sselect_hyperslab(m->space, H5S_SELECT_SET, from, NULL, size, NULL) >= 0 &&
+              H5Pset_virtual(m->creation, m->space, file, values, source) >= 0;
     H5Sclose(source);
-    return fine;
+}
+
+static hid_t place(struct rk_h5 *h5, hid_t parent, const char *name, struct mosaic *m) {
+    hid_t dataset = H5I_INVALID_HID;
+    if (m->fine && H5Sselect_all(m->space) >= 0) {
+        dataset = H5Dcreate2(parent, name, H5T_IEEE_F64LE, m->space, H5P_DEFAULT, m->creation,
+                             H5P_DEFAULT);
+    }
+    if (dataset < 0) {
+        rk_h5_fail(h5, "write", name);
+    }
+    H5Pclose(m->creation);
+    H5Sclose(m->space);
+    return dataset;
+}
+
+/* What is needed of a column: which runs, and where it is in their files. */
+struct column {
+    const struct rk_plan *plan;
+    const struct rk_run_mark *marks;
+    hsize_t samples;
+    char values[256];
+};
+
+/* The runs of a span, a row each. */
+static hid_t write_rows(struct rk_h5 *h5, hid_t parent, const char *name, const struct column *c,
+                        struct span span) {
+    struct mosaic m = mosaic_of(span.count, c->samples);
+    for (size_t i = 0; i < span.count; i++) {
+        if (c->marks[span.first + i].state == RK_RUN_DONE) {
+            char file[RK_RUN_ID + 16];
+            snprintf(file, sizeof file, "runs/%s.h5", c->plan->runs[span.first + i].id);
+            map_rows(&m, i, 1, file, c->values);
+        }
+    }
+    return place(h5, parent, name, &m);
+}
+
+/* The same by parts, which lie in a group beside it. */
+static hid_t write_parts(struct rk_h5 *h5, hid_t parent, const char *name, const struct column *c,
+                         struct span span) {
+    char group[RK_NAME + 8], path[1024];
+    snprintf(group, sizeof group, "%s.parts", name);
+    hid_t parts = rk_h5_group(h5, parent, group);
+    struct mosaic m = mosaic_of(span.count, c->samples);
+    ssize_t length = H5Iget_name(parts, path, sizeof path - 24);
+    m.fine = m.fine && length > 0 && (size_t)length < sizeof path - 24;
+    for (size_t first = 0; m.fine && h5->status == RK_OK && first < span.count;
+         first += ROWS_A_PART) {
+        size_t left = span.count - first, rows = left < ROWS_A_PART ? left : ROWS_A_PART;
+        char number[24];
+        snprintf(number, sizeof number, "%zu", first);
+        const struct span part = {span.first + first, rows};
+        rk_h5_release(h5, write_rows(h5, parts, number, c, part));
+        snprintf(path + length, sizeof path - (size_t)length, "/%s", number);
+        map_rows(&m, first, rows, ".", path);
+    }
+    rk_h5_release(h5, parts);
+    return place(h5, parent, name, &m);
 }
 
 static void write_column(struct rk_h5 *h5, hid_t parent, const struct rk_plan *plan,
@@ -57,31 +136,15 @@ static void write_column(struct rk_h5 *h5, hid_t parent, const struct rk_plan *p
     if (h5->status != RK_OK) {
         return;
     }
-    char values[256];
-    snprintf(values, sizeof values, "/observables/%s/%s/value", probe->piece.name, column->name);
-    const double missing = NAN;
-    hsize_t dims[2] = {span.count, samples};
-    hid_t space = H5Screate_simple(2, dims, NULL);
-    hid_t creation = rk_h5_properties(H5P_DATASET_CREATE);
-    bool fine = H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &missing) >= 0;
-    for (size_t i = 0; fine && i < span.count; i++) {
-        if (marks[span.first + i].state == RK_RUN_DONE) {
-            fine = map_row(creation, space, i, samples, plan->runs[span.first + i].id, values);
-        }
-    }
-    hid_t dataset = H5I_INVALID_HID;
-    if (fine && H5Sselect_all(space) >= 0) {
-        dataset = H5Dcreate2(parent, column->name, H5T_IEEE_F64LE, space, H5P_DEFAULT, creation,
-                             H5P_DEFAULT);
-    }
-    if (dataset < 0) {
-        rk_h5_fail(h5, "write", column->name);
-    } else if (column->unit[0] != '\0') {
+    struct column c = {.plan = plan, .marks = marks, .samples = samples};
+    snprintf(c.values, sizeof c.values, "/observables/%s/%s/value", probe->piece.name,
+             column->name);
+    hid_t dataset = span.count > 2 * ROWS_A_PART ? write_parts(h5, parent, column->name, &c, span)
+                                                 : write_rows(h5, parent, column->name, &c, span);
+    if (h5->status == RK_OK && column->unit[0] != '\0') {
         rk_h5_note(h5, dataset, "unit", column->unit);
     }
     rk_h5_release(h5, dataset);
-    H5Pclose(creation);
-    H5Sclose(space);
 }
 
 static void write_complete(struct rk_h5 *h5, hid_t parent, const struct rk_run_mark *marks,

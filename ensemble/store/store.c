@@ -54,9 +54,10 @@ struct rk_worker *rk_store_worker(const struct rk_store *store) {
 
 /* ---- Whose folder is it? ---- */
 
-/* What a program that was killed while it made a study folder may have left before plan.h5. */
+/* What a program that was killed while it made a study folder may have left before plan.h5, and
+ * what does not tell whose folder it is. */
 static bool is_beginning(const char *name) {
-    static const char *const names[] = {".", "..", "at_work", "runs"};
+    static const char *const names[] = {".", "..", "at_work", "runs", "effort.csv"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         if (strcmp(name, names[i]) == 0) {
             return true;

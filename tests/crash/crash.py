@@ -129,12 +129,36 @@ def retries_are_results(work):
         process.kill()
         if process.wait() == 0:
             break
-        if (folder / "runs").exists():
+        if (folder / "study.yaml").exists():
             failed_before(folder, straight)
     expect_same(folder, straight)
     assert kills >= 3, kills
     print(f"{state['retried']} of 6 runs need a smaller step, asked for at once or afterwards, "
           f"killed {kills} times: the same bytes")
+
+
+def targets_are_reached(work):
+    """Killed as soon as the pilot is whole, and again while the replicas that it asks for are run."""
+    study, straight, folder = work / "until.yaml", work / "until", work / "until-killed"
+    text = STUDY.read_text().replace("replicas: 3", "replicas: 5")
+    study.write_text(text + "analyses:\n  - rise\nuntil: {analysis: rise, quantity: rate, "
+                     "half_width: 0.02, max_replicas: 12}\n")
+    said = run(straight, "--threads", "1", study=study).stdout
+    whole = int(said.splitlines()[-2].split(" of ")[0].split()[-1])
+    assert said.count("runs done") == 2 and 10 < whole <= 24, said
+    found = []
+    for wanted in (10, 11):
+        process = subprocess.Popen(command(folder, "--checkpoint", "0", "--quiet", study=study))
+        while len(list(folder.glob("runs/*.h5"))) < wanted and process.poll() is None:
+            time.sleep(0.002)
+        process.kill()
+        process.wait()
+        found.append(len(list(folder.glob("runs/*.h5"))))
+    assert status(folder)["runs"] == whole
+    run(folder, study=study)
+    expect_same(folder, straight)
+    print(f"of {whole} runs of a precision target killed with {found[0]} and {found[1]} there, the "
+          "pilot's 10 among them: the same bytes")
 
 
 def failed_before(folder, straight):
@@ -169,6 +193,7 @@ def main():
         damage_is_repaired(work, reference)
         failures_are_results(work)
         retries_are_results(work)
+        targets_are_reached(work)
 
 
 main()

@@ -8,6 +8,7 @@
 #include "shaker_study.h"
 
 #include <hdf5.h>
+#include <math.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -328,6 +329,35 @@ static void long_runs_cross_chunks(void **state) {
     free(angle);
 }
 
+/* So many replicas that the index puts its columns together from parts; one of them is missing. */
+static void an_index_of_many_replicas_has_them_all(void **state) {
+    struct fixture *f = *state;
+    enum { MANY = 600, GONE = 300, SAMPLES = 6 };
+    f->points[0].replicas = MANY;
+    f->points[1].replicas = 1;
+    f->params[0].periods = f->params[1].periods = 1;
+    plan_again(f);
+    expect_run(f, "out", 2);
+    remove(scratch_path(f->folder, "out/runs/first-0300.h5"));
+    double(*rows)[SAMPLES] = malloc(MANY * sizeof *rows);
+    hid_t file = H5Fopen(scratch_path(f->folder, "out/study.h5"), H5F_ACC_RDONLY, 0);
+    hid_t set = H5Dopen2(file, "observables/first/intruder/height", 0);
+    assert_true(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, 0, rows) >= 0);
+    H5Dclose(set);
+    H5Fclose(file);
+    for (size_t r = 0; r < MANY; r++) {
+        struct rk_observable data = {0};
+        enum rk_status status = rk_store_read(scratch_path(f->folder, "out"), f->plan,
+                                              &f->plan->runs[r], "intruder.height", &data, NULL);
+        assert_int_equal(status, r == GONE ? RK_EIO : RK_OK);
+        for (size_t i = 0; i < SAMPLES; i++) {
+            assert_true(r == GONE ? isnan(rows[r][i]) : rows[r][i] == data.values[i]);
+        }
+        free(data.values);
+    }
+    free(rows);
+}
+
 static size_t steps_recorded(const char *path) {
     hid_t file = H5Fopen(path, H5F_ACC_RDONLY, 0);
     hid_t set = H5Dopen2(file, "particles/grains/position/step", 0), space = H5Dget_space(set);
@@ -545,6 +575,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(a_damaged_file_is_told_and_done_again, make, clear),
         cmocka_unit_test_setup_teardown(observables_are_read_back, make, clear),
         cmocka_unit_test_setup_teardown(long_runs_cross_chunks, make, clear),
+        cmocka_unit_test_setup_teardown(an_index_of_many_replicas_has_them_all, make, clear),
         cmocka_unit_test_setup_teardown(as_many_records_as_foreseen, make, clear),
         cmocka_unit_test_setup_teardown(frames_as_large_as_a_chunk_are_written, make, clear),
         cmocka_unit_test_setup_teardown(failures_are_results, make, clear),
