@@ -157,11 +157,15 @@ static void picture(const struct rk_picture *p, FILE *out) {
     fprintf(out, "unset multiplot\n");
 }
 
+static const char *const quantities[] = {"q",       "q_scale",    "q_location", "b",
+                                         "b_scale", "b_location", NULL};
+
 static const struct rk_analysis_methods methods = {
     .check = check,
     .estimate = estimate,
     .title = "density of the intruder's vertical velocity, relative to the plate",
     .head = head,
+    .quantities = quantities,
     .headline = headline,
     .picture = picture,
     .panels = true,
