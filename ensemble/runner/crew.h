@@ -3,6 +3,7 @@
  *     review.c    what is there already
  *     order.c     which runs are this program's to do, and in which order
  *     crew.c      threads that claim runs and carry them out
+ *     tries.c     a run that goes wrong, and its retries (run.c: one of them)
  *     cores.c     which scenes get the cores of those that have nothing to do (pace.c: whether that
  *                 pays)
  *     pulse.c     signs of life and progress
