@@ -45,25 +45,50 @@ static void *value_of(struct rk_param_ref ref, void *values) {
     return (char *)values + ref.group->offset + ref.row->offset;
 }
 
+static void set_default(struct rk_param_ref ref, void *values) {
+    void *value = value_of(ref, values);
+    switch (ref.row->type) {
+    case RK_PARAM_REAL:
+        *(double *)value = ref.row->value;
+        break;
+    case RK_PARAM_COUNT:
+        *(uint64_t *)value = (uint64_t)ref.row->value;
+        break;
+    case RK_PARAM_FLAG:
+        *(bool *)value = ref.row->value != 0;
+        break;
+    case RK_PARAM_PIECE:
+        *(const struct rk_piece **)value = rk_registry_find(ref.row->choices, ref.row->choice);
+        break;
+    }
+}
+
 void rk_param_defaults(const struct rk_param_table *table, void *values) {
     size_t total = rk_param_total(table);
     memset(values, 0, table->size);
     for (size_t i = 0; i < total; i++) {
+        set_default(rk_param_at(table, i), values);
+    }
+}
+
+bool rk_param_is_technical(struct rk_param_ref ref) {
+    return ref.group->part == RK_PART_PREPARES_TECHNICAL ||
+           ref.group->part == RK_PART_ACTS_TECHNICAL;
+}
+
+bool rk_param_prepares(struct rk_param_ref ref) {
+    bool group =
+        ref.group->part == RK_PART_PREPARES || ref.group->part == RK_PART_PREPARES_TECHNICAL;
+    return group && !ref.row->after_preparation && !ref.row->silent;
+}
+
+void rk_param_preparation(const struct rk_param_table *table, const void *values, void *prepared) {
+    size_t total = rk_param_total(table);
+    memcpy(prepared, values, table->size);
+    for (size_t i = 0; i < total; i++) {
         struct rk_param_ref ref = rk_param_at(table, i);
-        void *value = value_of(ref, values);
-        switch (ref.row->type) {
-        case RK_PARAM_REAL:
-            *(double *)value = ref.row->value;
-            break;
-        case RK_PARAM_COUNT:
-            *(uint64_t *)value = (uint64_t)ref.row->value;
-            break;
-        case RK_PARAM_FLAG:
-            *(bool *)value = ref.row->value != 0;
-            break;
-        case RK_PARAM_PIECE:
-            *(const struct rk_piece **)value = rk_registry_find(ref.row->choices, ref.row->choice);
-            break;
+        if (!rk_param_prepares(ref) && !ref.row->silent) {
+            set_default(ref, prepared);
         }
     }
 }

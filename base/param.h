@@ -43,6 +43,20 @@ struct rk_param {
     bool time_step; /* a run that went wrong may be tried again with a smaller one */
     bool later;  /* it came when studies had been run: at its default no key or identity has it */
     bool silent; /* nothing of a run depends on it: no key, identity or run's file has it */
+    bool after_preparation; /* of a group that prepares: this one does not, see below */
+};
+
+/* A run begins from something prepared (a settled bed), which runs with the same preparation share.
+ * Every group of a scene's parameters says what it is for. What "prepares" enters the preparation;
+ * the preparation is made with all other parameters at their defaults (but for silent ones), so
+ * that it cannot depend on them. "Technical" is how something is computed and watched, not what it
+ * is: the random numbers do not depend on it. */
+enum rk_param_part {
+    RK_PART_NONE = 0,           /* not of a scene */
+    RK_PART_PREPARES,           /* what the scene is, from its beginning */
+    RK_PART_ACTS,               /* what is done with it when it is prepared */
+    RK_PART_PREPARES_TECHNICAL, /* how all of it is computed */
+    RK_PART_ACTS_TECHNICAL,     /* how it is computed and watched from then on */
 };
 
 struct rk_param_group {
@@ -50,8 +64,7 @@ struct rk_param_group {
     const struct rk_param *rows;
     size_t count;
     size_t offset; /* of the group's struct in the table's */
-    /* How it is computed and watched, not what it is: the random numbers do not depend on it. */
-    bool technical;
+    enum rk_param_part part;
 };
 
 struct rk_param_table {
@@ -81,6 +94,14 @@ void rk_param_path(struct rk_param_ref ref, char path[RK_PARAM_PATH]);
 
 /* Set every value of `values` (table->size bytes) to its default. */
 void rk_param_defaults(const struct rk_param_table *table, void *values);
+
+/* Do the random numbers not depend on it? Does what is prepared? */
+bool rk_param_is_technical(struct rk_param_ref ref);
+bool rk_param_prepares(struct rk_param_ref ref);
+
+/* Copy `values` (table->size bytes) with all that does not prepare at its default, but for what
+ * changes the speed only. */
+void rk_param_preparation(const struct rk_param_table *table, const void *values, void *prepared);
 
 bool rk_param_is_default(struct rk_param_ref ref, const void *values);
 

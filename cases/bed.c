@@ -168,34 +168,38 @@ static double mean_kinetic(const struct rk_scene *scene) {
 static const double calm_time = 5;
 
 enum rk_status rk_bed_settle(struct rk_scene *scene, const struct rk_settle_spec *settle,
-                             const struct rk_cancel *cancel, struct rk_preparation *report,
-                             struct rk_error *err) {
+                             struct rk_preparation *p, struct rk_error *err) {
     enum { STRIDE = 100 };
-    double dt = rk_scene_spec(scene)->dt, begin = rk_scene_time(scene), calm_since = begin;
-    double keep = 1 / (1 + settle->drag * STRIDE * dt);
-    while (rk_scene_time(scene) - begin < settle->time) {
-        if (cancel && cancel->asked(cancel->context)) {
-            return rk_fail(err, RK_EINTERRUPTED, "stopped while the bed was settling");
-        }
-        if (cancel && cancel->between) {
-            cancel->between(cancel->context, scene);
-        }
-        enum rk_status status = rk_scene_step(scene, STRIDE, err);
-        if (status) {
-            return status;
-        }
-        rk_scene_slow_down(scene, keep);
-        report->steps = rk_scene_steps(scene);
-        report->time = rk_scene_time(scene);
-        report->kinetic = mean_kinetic(scene);
-        if (!(report->kinetic < settle->kinetic)) {
-            calm_since = report->time;
-        } else if (report->time - calm_since > calm_time) {
-            return RK_OK;
-        }
+    double dt = rk_scene_spec(scene)->dt;
+    if (!(rk_scene_time(scene) - p->since < settle->time)) {
+        return rk_fail_about(err, RK_EUNSTABLE, "settle.time",
+                             "the bed did not come to rest: after t = %g the mean kinetic energy "
+                             "of a grain is %.3g, asked for is %.3g; raise settle.time or "
+                             "settle.kinetic",
+                             p->time, p->kinetic, settle->kinetic);
     }
-    return rk_fail_about(err, RK_EUNSTABLE, "settle.time",
-                         "the bed did not come to rest: after t = %g the mean kinetic energy of a "
-                         "grain is %.3g, asked for is %.3g; raise settle.time or settle.kinetic",
-                         report->time, report->kinetic, settle->kinetic);
+    enum rk_status status = rk_scene_step(scene, STRIDE, err);
+    if (status) {
+        return status;
+    }
+    rk_scene_slow_down(scene, 1 / (1 + settle->drag * STRIDE * dt));
+    p->steps = rk_scene_steps(scene);
+    p->time = rk_scene_time(scene);
+    p->kinetic = mean_kinetic(scene);
+    double next = (double)(p->steps + STRIDE) * dt;
+    if (!(p->kinetic < settle->kinetic)) {
+        p->calm = p->time;
+        p->state = RK_PREPARING;
+    } else if (p->time - p->calm > calm_time) {
+        p->state = RK_PREPARED;
+    } else {
+        p->state = next - p->calm > calm_time ? RK_PREPARED_NEXT : RK_PREPARING;
+    }
+    return RK_OK;
+}
+
+void rk_bed_next_phase(struct rk_preparation *p) {
+    p->phase++;
+    p->since = p->calm = p->time;
+    p->state = RK_PREPARING;
 }

@@ -30,9 +30,12 @@ enum rk_status rk_bed_fill(struct rk_scene *scene, const struct rk_grains_spec *
                            double width, bool periodic, struct rk_stream *stream,
                            struct rk_error *err);
 
-/* Step until the grains lie still. RK_EUNSTABLE when they do not within settle->time. */
+/* A stride of 100 steps towards rest; prepared when the grains lie still. RK_EUNSTABLE when they do
+ * not within settle->time from preparation->since on. */
 enum rk_status rk_bed_settle(struct rk_scene *scene, const struct rk_settle_spec *settle,
-                             const struct rk_cancel *cancel, struct rk_preparation *report,
-                             struct rk_error *err);
+                             struct rk_preparation *preparation, struct rk_error *err);
+
+/* The next phase of a preparation begins. */
+void rk_bed_next_phase(struct rk_preparation *preparation);
 
 #endif

@@ -3,11 +3,12 @@
  *     study.yaml       as resolved                     runs/<id>.h5     one H5MD file a run
  *     plan.h5          the runs and their parameters   runs/<id>.spool  while it runs: the rows and
  *     study.h5         index over the runs, analyses                    frames so far, append-only
+ *     beds/<bed>.bed   settled beds that runs begin from (beds.h)
  *     at_work/<name>   a record of each program at     runs/<id>.ckpt   while it runs: checkpoint
  *                      work                            runs/<id>.claim  while it runs: by whom
  *
  * Next to a checkpoint lies the one before, runs/<id>.ckpt.old; a run's file that was found damaged
- * is kept as runs/<id>.h5.damaged. The formats are in h5md.h, index.h, seal.h, spool.h,
+ * is kept as runs/<id>.h5.damaged. The formats are in h5md.h, index.h, beds.h, seal.h, spool.h,
  * checkpoint.h, worker.h, claim.h and plan_file.h.
  *
  * A run's file is complete or it is not there: it is written in one pass from the finished spool

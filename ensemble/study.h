@@ -43,7 +43,7 @@ enum { RK_NAME = 96, RK_RUN_ID = RK_NAME + 16, RK_IDENTITY = 33 };
 struct rk_point {
     char name[RK_NAME]; /* letters, digits, '-', '_' and '.'; unique in the study */
     void *params;       /* a struct of the case's table, every value resolved */
-    uint64_t key;       /* of the random streams: a hash of the resolved parameters' text */
+    uint64_t key;       /* of random streams: a hash of the text of the parameters but technical */
     uint64_t replicas;  /* of this point, 0: the study's */
 };
 
@@ -127,16 +127,20 @@ struct rk_run {
     char id[RK_RUN_ID];
     size_t point;
     uint64_t replica;
-    double cost; /* grain-steps, preparation included: the longest go first */
+    double cost; /* grain-steps, settling included if the run is the one to pay for its bed: the
+                    longest go first */
 };
 
 /* What the runs of one point have in common. */
 struct rk_plan_point {
-    char identity[RK_IDENTITY]; /* hex digest of what decides the bytes of a run but its length:
-                                   case, seed, name and parameters of its point; nothing of the
-                                   other points */
-    uint64_t steps;             /* of a run */
-    size_t first, count;        /* its runs: one a replica */
+    char identity[RK_IDENTITY];    /* hex digest of what decides the bytes of a run but its length:
+                                      case, seed, name and parameters of its point; nothing of the
+                                      other points */
+    char preparation[RK_IDENTITY]; /* hex digest of what decides the beds that its runs begin from:
+                                      case, seed and the parameters that prepare */
+    uint64_t steps;                /* of a run */
+    size_t first, count;           /* its runs: one a replica */
+    uint64_t shared; /* so many of them, the first, begin from beds of points with as long runs */
 };
 
 struct rk_plan {
@@ -146,12 +150,33 @@ struct rk_plan {
     struct rk_plan_point *points; /* [study->point_count] */
     struct rk_run *runs;
     size_t count;
+    size_t beds; /* that they begin from: each is settled once (store/beds.h) */
 };
 
 /* The plan of a study, which must outlive it. Runs are ordered by point, then replica. */
 enum rk_status rk_plan_create(const struct rk_study *study, struct rk_plan **plan,
                               struct rk_error *err);
+/* The same without the list of runs. */
+enum rk_status rk_plan_outline(const struct rk_study *study, struct rk_plan **plan,
+                               struct rk_error *err);
 void rk_plan_free(struct rk_plan *plan);
+
+/* The bed that a run begins from, called "<preparation>-<replica, at least 4 digits>", and its
+ * random stream: both depend on case, seed, the parameters that prepare and the replica alone, so
+ * that runs of one replica share a bed wherever their points have the same preparation. `params`
+ * are those that the run is carried out with: its point's, or with other time steps (which then
+ * have the random numbers of the point's). RK_EMEMORY. */
+struct rk_bed_name {
+    char text[RK_IDENTITY + 16];
+};
+struct rk_bed_name rk_bed_name(const char *preparation, uint64_t replica);
+struct rk_bed {
+    struct rk_bed_name name;
+    struct rk_stream stream;
+};
+enum rk_status rk_bed_of(const struct rk_study *study, const struct rk_point *point,
+                         const void *params, uint64_t replica, struct rk_bed *bed,
+                         struct rk_error *err);
 
 /* Every time step of a `retries`-th retry over the study's own. */
 double rk_retry_step(const struct rk_retry *retry, uint64_t retries);
@@ -163,9 +188,5 @@ void rk_retry_point(const struct rk_study *study, const struct rk_point *point, 
  * the most that it gives to any. */
 uint64_t rk_study_threads(const struct rk_study *study, size_t point);
 uint64_t rk_study_most_threads(const struct rk_study *study);
-
-/* The random stream of a run. */
-struct rk_stream rk_run_stream(const struct rk_plan *plan, const struct rk_run *run,
-                               enum rk_purpose purpose, uint64_t step);
 
 #endif

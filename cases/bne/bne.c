@@ -118,15 +118,15 @@ const struct rk_param rk_bne_drive_params[RK_BNE_DRIVE_PARAMS] = {
 #define AT(member) offsetof(struct rk_bne, member)
 #define COUNT(rows) (sizeof(rows) / sizeof *(rows))
 static const struct rk_param_group groups[] = {
-    {"grains", rk_grains_params, RK_GRAINS_PARAMS, AT(grains), false},
-    {"intruder", rk_bne_intruder_params, RK_BNE_INTRUDER_PARAMS, AT(intruder), false},
-    {"box", box_rows, COUNT(box_rows), AT(box), false},
-    {"drive", rk_bne_drive_params, RK_BNE_DRIVE_PARAMS, AT(drive), false},
-    {"contact", rk_contact_params, RK_CONTACT_PARAMS, AT(contact), false},
-    {"settle", rk_settle_params, RK_SETTLE_PARAMS, AT(settle), false},
-    {"accuracy", rk_accuracy_params, RK_ACCURACY_PARAMS, AT(accuracy), true},
-    {"health", rk_health_params, RK_HEALTH_PARAMS, AT(health), true},
-    {"run", rk_run_params, RK_RUN_PARAMS, AT(run), true},
+    {"grains", rk_grains_params, RK_GRAINS_PARAMS, AT(grains), RK_PART_PREPARES},
+    {"intruder", rk_bne_intruder_params, RK_BNE_INTRUDER_PARAMS, AT(intruder), RK_PART_PREPARES},
+    {"box", box_rows, COUNT(box_rows), AT(box), RK_PART_PREPARES},
+    {"drive", rk_bne_drive_params, RK_BNE_DRIVE_PARAMS, AT(drive), RK_PART_ACTS},
+    {"contact", rk_contact_params, RK_CONTACT_PARAMS, AT(contact), RK_PART_PREPARES},
+    {"settle", rk_settle_params, RK_SETTLE_PARAMS, AT(settle), RK_PART_PREPARES},
+    {"accuracy", rk_accuracy_params, RK_ACCURACY_PARAMS, AT(accuracy), RK_PART_PREPARES_TECHNICAL},
+    {"health", rk_health_params, RK_HEALTH_PARAMS, AT(health), RK_PART_PREPARES_TECHNICAL},
+    {"run", rk_run_params, RK_RUN_PARAMS, AT(run), RK_PART_ACTS_TECHNICAL},
 };
 static const struct rk_param_table table = {groups, COUNT(groups), sizeof(struct rk_bne)};
 #undef AT
@@ -315,18 +315,14 @@ static enum rk_status add_material(const struct rk_bne *bne, struct rk_scene *sc
     return rk_scene_add_material(scene, &material, &number, err);
 }
 
-/* A scene with its walls: wall 0 is the plate. */
-static enum rk_status open_box(const struct rk_bne *bne, double dt,
-                               const struct rk_drive_spec *drive, struct rk_scene **scene,
+/* A scene with its walls, at rest: wall 0 is the plate. */
+static enum rk_status open_box(const struct rk_bne *bne, double dt, struct rk_scene **scene,
                                struct rk_error *err) {
     struct rk_scene_spec spec = scene_spec(bne, dt);
     const struct rk_wall_spec walls[] = {
-        {.normal = {0, 1}, .friction = true, .drive = *drive},
-        {.normal = {1, 0}, .friction = bne->box.rough, .drive = *drive},
-        {.point = {bne->box.width, 0},
-         .normal = {-1, 0},
-         .friction = bne->box.rough,
-         .drive = *drive},
+        {.normal = {0, 1}, .friction = true},
+        {.normal = {1, 0}, .friction = bne->box.rough},
+        {.point = {bne->box.width, 0}, .normal = {-1, 0}, .friction = bne->box.rough},
     };
     enum rk_status status = rk_scene_create(&spec, scene, err);
     if (status == RK_OK && of_its_own(&bne->intruder)) {
@@ -363,61 +359,40 @@ static enum rk_status add_intruder(const struct rk_bne *bne, struct rk_scene *sc
     return rk_scene_add_grain(scene, &intruder, err);
 }
 
+static enum rk_status bne_box(const void *prepared, struct rk_scene **scene, struct rk_error *err) {
+    const struct rk_bne *bne = prepared;
+    return open_box(bne, nominal_step(bne, bne->settle.step), scene, err);
+}
+
+static enum rk_status bne_fill(const void *prepared, struct rk_stream stream,
+                               struct rk_scene *scene, struct rk_error *err) {
+    const struct rk_bne *bne = prepared;
+    enum rk_status status = add_intruder(bne, scene, err);
+    return status ? status
+                  : rk_bed_fill(scene, &bne->grains, bne->box.width, periodic(bne), &stream, err);
+}
+
 /* The bed comes to rest on the held intruder, and once more when that is let go. */
-static enum rk_status settle(const struct rk_bne *bne, struct rk_scene *scene,
-                             const struct rk_cancel *cancel, struct rk_preparation *report,
-                             struct rk_error *err) {
-    enum rk_status status = rk_bed_settle(scene, &bne->settle, cancel, report, err);
-    if (status == RK_OK) {
+static enum rk_status bne_settle(const void *prepared, struct rk_scene *scene,
+                                 struct rk_preparation *preparation, struct rk_error *err) {
+    const struct rk_bne *bne = prepared;
+    enum { HELD, FREE };
+    enum rk_status status = rk_bed_settle(scene, &bne->settle, preparation, err);
+    if (status == RK_OK && preparation->phase == HELD && preparation->state == RK_PREPARED) {
+        rk_bed_next_phase(preparation);
         status = rk_scene_hold(scene, 0, false, err);
     }
-    return status == RK_OK ? rk_bed_settle(scene, &bne->settle, cancel, report, err) : status;
+    return status;
 }
 
 /* The settled bed begins to be shaken: the clock starts and the box gets its drive. */
-static enum rk_status start_shaking(const struct rk_bne *bne, struct rk_scene *scene,
-                                    struct rk_error *err) {
+static enum rk_status bne_start(const void *params, struct rk_scene *scene, struct rk_error *err) {
+    const struct rk_bne *bne = params;
     struct rk_drive_spec drive = shaking(bne);
+    rk_scene_set_neighbours(scene, bne->accuracy.neighbour);
     enum rk_status status = rk_scene_restart_clock(scene, bne_schedule(bne).dt, err);
     for (size_t w = 0; status == RK_OK && w < rk_scene_walls(scene); w++) {
         status = rk_scene_set_drive(scene, w, &drive, err);
-    }
-    return status;
-}
-
-static enum rk_status bne_prepare(const void *params, struct rk_stream stream,
-                                  const struct rk_cancel *cancel, struct rk_scene **scene,
-                                  struct rk_preparation *report, struct rk_error *err) {
-    const struct rk_bne *bne = params;
-    const struct rk_drive_spec rest = {0};
-    *scene = NULL;
-    enum rk_status status = open_box(bne, nominal_step(bne, bne->settle.step), &rest, scene, err);
-    if (status == RK_OK) {
-        status = add_intruder(bne, *scene, err);
-    }
-    if (status == RK_OK) {
-        status = rk_bed_fill(*scene, &bne->grains, bne->box.width, periodic(bne), &stream, err);
-    }
-    if (status == RK_OK) {
-        status = settle(bne, *scene, cancel, report, err);
-    }
-    if (status == RK_OK) {
-        status = start_shaking(bne, *scene, err);
-    }
-    if (status) {
-        rk_scene_free(*scene);
-        *scene = NULL;
-    }
-    return status;
-}
-
-static enum rk_status bne_empty(const void *params, struct rk_scene **scene, struct rk_error *err) {
-    const struct rk_bne *bne = params;
-    struct rk_drive_spec drive = shaking(bne);
-    enum rk_status status = open_box(bne, bne_schedule(bne).dt, &drive, scene, err);
-    if (status) {
-        rk_scene_free(*scene);
-        *scene = NULL;
     }
     return status;
 }
@@ -430,7 +405,9 @@ const struct rk_case rk_case_bne = {
     .grains = bne_grains,
     .preparation_steps = bne_preparation_steps,
     .focus = bne_focus,
-    .prepare = bne_prepare,
-    .empty = bne_empty,
+    .box = bne_box,
+    .fill = bne_fill,
+    .settle = bne_settle,
+    .start = bne_start,
     .probes = &rk_probe_registry,
 };

@@ -43,15 +43,17 @@ static const struct rk_param run_rows[] = {
 #define AT(member) offsetof(struct rk_neighbour_study, member)
 #define COUNT(rows) (sizeof(rows) / sizeof *(rows))
 static const struct rk_param_group groups[] = {
-    {"grains", rk_grains_params, RK_GRAINS_PARAMS, AT(bne.grains), false},
-    {"intruder", rk_bne_intruder_params, RK_BNE_INTRUDER_PARAMS, AT(bne.intruder), false},
-    {"box", box_rows, COUNT(box_rows), AT(box), false},
-    {"drive", rk_bne_drive_params, RK_BNE_DRIVE_PARAMS, AT(bne.drive), false},
-    {"contact", rk_contact_params, RK_CONTACT_PARAMS, AT(bne.contact), false},
-    {"settle", rk_settle_params, RK_SETTLE_PARAMS, AT(bne.settle), false},
-    {"accuracy", rk_accuracy_params, RK_ACCURACY_PARAMS, AT(bne.accuracy), true},
-    {"health", rk_health_params, RK_HEALTH_PARAMS, AT(bne.health), true},
-    {"run", run_rows, COUNT(run_rows), AT(run), true},
+    {"grains", rk_grains_params, RK_GRAINS_PARAMS, AT(bne.grains), RK_PART_PREPARES},
+    {"intruder", rk_bne_intruder_params, RK_BNE_INTRUDER_PARAMS, AT(bne.intruder),
+     RK_PART_PREPARES},
+    {"box", box_rows, COUNT(box_rows), AT(box), RK_PART_PREPARES},
+    {"drive", rk_bne_drive_params, RK_BNE_DRIVE_PARAMS, AT(bne.drive), RK_PART_ACTS},
+    {"contact", rk_contact_params, RK_CONTACT_PARAMS, AT(bne.contact), RK_PART_PREPARES},
+    {"settle", rk_settle_params, RK_SETTLE_PARAMS, AT(bne.settle), RK_PART_PREPARES},
+    {"accuracy", rk_accuracy_params, RK_ACCURACY_PARAMS, AT(bne.accuracy),
+     RK_PART_PREPARES_TECHNICAL},
+    {"health", rk_health_params, RK_HEALTH_PARAMS, AT(bne.health), RK_PART_PREPARES_TECHNICAL},
+    {"run", run_rows, COUNT(run_rows), AT(run), RK_PART_ACTS_TECHNICAL},
 };
 static const struct rk_param_table table = {groups, COUNT(groups),
                                             sizeof(struct rk_neighbour_study)};
@@ -145,25 +147,30 @@ static enum rk_status neighbours_check(const void *params, struct rk_error *err)
 /* ---- The scene ----------------------------------------------------------------------------------
  */
 
-/* The bed settles on cells, whichever method is to be looked at: it is the same to the byte, and
- * with all pairs a bed of 1e4 grains would take hours. */
-static enum rk_status neighbours_prepare(const void *params, struct rk_stream stream,
-                                         const struct rk_cancel *cancel, struct rk_scene **scene,
-                                         struct rk_preparation *report, struct rk_error *err) {
-    struct rk_bne bne = as_bne(params);
-    const struct rk_piece *method = bne.accuracy.neighbour;
-    bne.accuracy.neighbour = rk_registry_find(&rk_neighbour_registry, "cells");
-    enum rk_status status = rk_case_bne.prepare(&bne, stream, cancel, scene, report, err);
-    if (status == RK_OK) {
-        rk_scene_set_neighbours(*scene, method);
-    }
-    return status;
+/* The bed settles on cells, the default, whichever method is to be looked at: it is the same to the
+ * byte, and with all pairs a bed of 1e4 grains would take hours. */
+static enum rk_status neighbours_box(const void *prepared, struct rk_scene **scene,
+                                     struct rk_error *err) {
+    struct rk_bne bne = as_bne(prepared);
+    return rk_case_bne.box(&bne, scene, err);
 }
 
-static enum rk_status neighbours_empty(const void *params, struct rk_scene **scene,
+static enum rk_status neighbours_fill(const void *prepared, struct rk_stream stream,
+                                      struct rk_scene *scene, struct rk_error *err) {
+    struct rk_bne bne = as_bne(prepared);
+    return rk_case_bne.fill(&bne, stream, scene, err);
+}
+
+static enum rk_status neighbours_settle(const void *prepared, struct rk_scene *scene,
+                                        struct rk_preparation *preparation, struct rk_error *err) {
+    struct rk_bne bne = as_bne(prepared);
+    return rk_case_bne.settle(&bne, scene, preparation, err);
+}
+
+static enum rk_status neighbours_start(const void *params, struct rk_scene *scene,
                                        struct rk_error *err) {
     struct rk_bne bne = as_bne(params);
-    return rk_case_bne.empty(&bne, scene, err);
+    return rk_case_bne.start(&bne, scene, err);
 }
 
 const struct rk_case rk_case_neighbours = {
@@ -175,7 +182,9 @@ const struct rk_case rk_case_neighbours = {
     .grains = neighbours_grains,
     .preparation_steps = neighbours_preparation_steps,
     .focus = neighbours_focus,
-    .prepare = neighbours_prepare,
-    .empty = neighbours_empty,
+    .box = neighbours_box,
+    .fill = neighbours_fill,
+    .settle = neighbours_settle,
+    .start = neighbours_start,
     .probes = &rk_probe_registry,
 };

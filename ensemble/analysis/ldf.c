@@ -30,8 +30,8 @@ static const struct rk_param more[] = {
 };
 
 static const struct rk_param_group groups[] = {
-    {"", rk_ldf_params, RK_LDF_PARAMS, offsetof(struct rk_ldf_request, options), false},
-    {"", more, sizeof more / sizeof *more, 0, false},
+    {"", rk_ldf_params, RK_LDF_PARAMS, offsetof(struct rk_ldf_request, options), RK_PART_NONE},
+    {"", more, sizeof more / sizeof *more, 0, RK_PART_NONE},
 };
 static const struct rk_param_table table = {groups, 2, sizeof(struct rk_ldf_request)};
 

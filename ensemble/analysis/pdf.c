@@ -34,7 +34,8 @@ static const struct rk_param rows[] = {
      .doc = "probability that an interval is to cover"},
 };
 /* clang-format on */
-static const struct rk_param_group groups[] = {{"", rows, sizeof rows / sizeof *rows, 0, false}};
+static const struct rk_param_group groups[] = {
+    {"", rows, sizeof rows / sizeof *rows, 0, RK_PART_NONE}};
 static const struct rk_param_table table = {groups, 1, sizeof(struct options)};
 
 static enum rk_status check(const void *params, const struct rk_schedule *schedule,

@@ -11,7 +11,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-static const struct rk_param_group groups[] = {{"", rk_relax_params, RK_RELAX_PARAMS, 0, false}};
+static const struct rk_param_group groups[] = {
+    {"", rk_relax_params, RK_RELAX_PARAMS, 0, RK_PART_NONE}};
 static const struct rk_param_table table = {groups, 1, sizeof(struct rk_relax_options)};
 
 /* Rows of the table: more could not be told apart in a picture. */

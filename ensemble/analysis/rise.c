@@ -10,7 +10,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const struct rk_param_group groups[] = {{"", rk_rate_params, RK_RATE_PARAMS, 0, false}};
+static const struct rk_param_group groups[] = {
+    {"", rk_rate_params, RK_RATE_PARAMS, 0, RK_PART_NONE}};
 static const struct rk_param_table table = {groups, 1, sizeof(struct rk_rate_options)};
 
 /* Rows of the height table: more could not be told apart in a picture. */

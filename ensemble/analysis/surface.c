@@ -13,7 +13,7 @@
 #include <stdlib.h>
 
 static const struct rk_param_group groups[] = {
-    {"", rk_rise_time_params, RK_RISE_TIME_PARAMS, 0, false}};
+    {"", rk_rise_time_params, RK_RISE_TIME_PARAMS, 0, RK_PART_NONE}};
 static const struct rk_param_table table = {groups, 1, sizeof(struct rk_rise_time_options)};
 
 static enum rk_status check(const void *params, const struct rk_schedule *schedule,

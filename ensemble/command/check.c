@@ -80,6 +80,18 @@ static void print_threads(const struct rk_gain *gain) {
            gain->grains);
 }
 
+static void print_beds(const struct rk_outlook *o) {
+    size_t beds = o->plan->beds, runs = o->runs;
+    char text[32];
+    printf("\nbeds      %zu to settle, ", beds);
+    if (beds == runs) {
+        printf("one for each run");
+    } else {
+        printf("shared by %zu runs", runs);
+    }
+    printf(": %.3g grain-steps at most, %s\n", o->settling, bytes(o->beds_disk, text));
+}
+
 static void print(const struct rk_outlook *o) {
     const struct rk_study *study = o->study;
     char a[32], b[32];
@@ -105,7 +117,8 @@ static void print(const struct rk_outlook *o) {
     if (study->point_count > shown) {
         print_rest(o, shown);
     }
-    printf("\ncost      %.3g grain-steps, settling included (at most)\n", o->cost);
+    print_beds(o);
+    printf("cost      %.3g grain-steps, settling included (at most)\n", o->cost);
     if (!isnan(o->speed.grain_steps)) {
         printf("speed     %.3g million grain-steps per core-second, timed with %zu grains\n",
                o->speed.grain_steps / 1e6, o->speed.grains);
@@ -148,6 +161,8 @@ static void print_json(const struct rk_outlook *o) {
         rk_json_count(&json, "periods", f->periods);
         rk_json_count(&json, "steps", f->steps);
         rk_json_count(&json, "preparation_steps_at_most", f->preparation);
+        rk_json_text(&json, "preparation", o->plan->points[p].preparation);
+        rk_json_count(&json, "beds_shared", o->plan->points[p].shared);
         rk_json_count(&json, "samples", f->samples);
         rk_json_count(&json, "frames", f->frames);
         rk_json_number(&json, "dt", f->dt);
@@ -157,6 +172,9 @@ static void print_json(const struct rk_outlook *o) {
         rk_json_close(&json);
     }
     rk_json_close(&json);
+    rk_json_count(&json, "beds", o->plan->beds);
+    rk_json_number(&json, "beds_grain_steps_at_most", o->settling);
+    rk_json_number(&json, "beds_disk_bytes_at_most", o->beds_disk);
     rk_json_number(&json, "grain_steps", o->cost);
     rk_json_number(&json, "grain_steps_per_core_second", o->speed.grain_steps);
     rk_json_number(&json, "core_seconds", o->core_seconds);

@@ -57,8 +57,10 @@ static void print_param(const struct rk_param_table *table, struct rk_param_ref 
     rk_param_path(ref, path);
     default_of(table, ref, text);
     rk_param_range(ref.row, range, sizeof range);
-    printf("  %-22s %s\n  %-22s default %s%s%s, %s\n", path, ref.row->doc, "", text,
-           ref.row->unit[0] != '\0' ? " " : "", ref.row->unit, range);
+    bool shares = ref.group->part != RK_PART_NONE && !rk_param_prepares(ref);
+    printf("  %-22s %s\n  %-22s default %s%s%s, %s%s\n", path, ref.row->doc, "", text,
+           ref.row->unit[0] != '\0' ? " " : "", ref.row->unit, range,
+           shares ? "; points that differ in it share beds" : "");
 }
 
 static void print_piece(const struct rk_registry *registry, const struct rk_piece *piece) {
@@ -112,6 +114,9 @@ static void json_param(struct rk_json *json, const struct rk_param_table *table,
         rk_json_number(json, "low", ref.row->low);
         rk_json_flag(json, "low_included", !ref.row->above_low);
         rk_json_number(json, "high", ref.row->high);
+    }
+    if (ref.group->part != RK_PART_NONE) {
+        rk_json_flag(json, "prepares", rk_param_prepares(ref));
     }
     rk_json_text(json, "doc", ref.row->doc);
     rk_json_close(json);

@@ -22,7 +22,8 @@ static const struct rk_option options[] = {
 
 /* Most studies leave alone how a run is computed and watched, but not how long it is. */
 static bool is_common(const struct rk_param_group *group) {
-    return !group->technical || strcmp(group->prefix, "run") == 0;
+    return group->part == RK_PART_PREPARES || group->part == RK_PART_ACTS ||
+           strcmp(group->prefix, "run") == 0;
 }
 
 static void write_param(FILE *out, const struct rk_param_table *table, size_t i, const void *values,

@@ -37,10 +37,16 @@ static double file_size(const struct rk_case *scene, const struct rk_forecast *f
     return ceil(1.04 * data) + 80 * 1024;
 }
 
+/* A packed state, at most as large as the scene's own arrays, of which those for neighbours are not
+ * packed: a checkpoint, and a bed. */
+static double state_size(const struct rk_forecast *f) {
+    return 250.0 * (double)f->grains;
+}
+
 /* Of a finished run whose study keeps checkpoints: the spool, about as large as the file, and the
  * state. */
 static double kept_size(const struct rk_study *study, const struct rk_forecast *f) {
-    return study->keeps_checkpoints ? f->disk + 250.0 * (double)f->grains : 0;
+    return study->keeps_checkpoints ? f->disk + state_size(f) : 0;
 }
 
 static void look_at_point(struct rk_outlook *o, size_t p) {
@@ -60,10 +66,15 @@ static void look_at_point(struct rk_outlook *o, size_t p) {
         .dt = schedule.dt,
         .stable_dt = schedule.stable_dt,
     };
-    f->cost = (double)f->grains * ((double)f->steps + (double)f->preparation);
+    double settling = (double)f->grains * (double)f->preparation;
+    f->cost = (double)f->grains * (double)f->steps + settling;
     f->disk = file_size(scene, f);
-    o->cost += f->cost * (double)o->study->replicas;
-    o->disk += (f->disk + kept_size(o->study, f)) * (double)o->study->replicas;
+    const struct rk_plan_point *planned = &o->plan->points[p];
+    double runs = (double)planned->count, beds = (double)(planned->count - planned->shared);
+    o->settling += settling * beds;
+    o->beds_disk += state_size(f) * beds;
+    o->cost += (f->cost - settling) * runs + settling * beds;
+    o->disk += (f->disk + kept_size(o->study, f)) * runs + state_size(f) * beds;
 }
 
 /* One line for all points that are alike in it, naming the worst. */
@@ -124,14 +135,13 @@ static void look_at_windows(struct rk_outlook *o, const struct rk_request *reque
     }
 }
 
-/* Memory of a replica beside its scene: a row, a frame, a packed state (at most as large as the
- * scene's own arrays, of which those for neighbours are not packed), and what the file is written
- * through: a chunk of frames and one of rows (store/h5md.c). */
+/* Memory of a replica beside its scene: a row, a frame, a packed state, and what the file is
+ * written through: a chunk of frames and one of rows (store/h5md.c). */
 static double recording_size(const struct rk_case *scene, const struct rk_forecast *f) {
     const double chunk_of_frames = 2.5 * (1 << 19), rows_a_chunk = 4096;
-    double frame = 6.0 * 4.0 * (double)f->grains, state = 250.0 * (double)f->grains;
+    double frame = 6.0 * 4.0 * (double)f->grains;
     double columns = (double)rk_columns_count(scene);
-    return frame + state + fmax(chunk_of_frames, frame) + 8 * columns * (rows_a_chunk + 1);
+    return frame + state_size(f) + fmax(chunk_of_frames, frame) + 8 * columns * (rows_a_chunk + 1);
 }
 
 /* What the cores are worth that the last runs leave idle; nothing where each has its run, or the
@@ -201,11 +211,13 @@ enum rk_status rk_outlook_make(const struct rk_study *study, int threads, bool q
                                struct rk_outlook *o, struct rk_error *err) {
     *o = (struct rk_outlook){.study = study,
                              .points = calloc(study->point_count, sizeof *o->points),
-                             .threads = threads,
-                             .runs = study->point_count * (size_t)study->replicas};
-    if (!o->points) {
-        return rk_fail(err, RK_EMEMORY, "out of memory");
+                             .threads = threads};
+    enum rk_status status = o->points ? rk_plan_outline(study, &o->plan, err)
+                                      : rk_fail(err, RK_EMEMORY, "out of memory");
+    if (status != RK_OK) {
+        return status;
     }
+    o->runs = o->plan->count;
     for (size_t p = 0; p < study->point_count; p++) {
         look_at_point(o, p);
     }
@@ -223,6 +235,7 @@ enum rk_status rk_outlook_make(const struct rk_study *study, int threads, bool q
 }
 
 void rk_outlook_clear(struct rk_outlook *o) {
+    rk_plan_free(o->plan);
     free(o->points);
-    o->points = NULL;
+    *o = (struct rk_outlook){.study = NULL};
 }

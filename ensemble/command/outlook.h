@@ -10,18 +10,20 @@ struct rk_forecast {
     const char *name;
     size_t grains;
     uint64_t steps, periods, samples, samples_per_period, frames, preparation;
-    double dt, stable_dt, cost, disk;
+    double dt, stable_dt, cost, disk; /* of a run, its bed included in the cost */
 };
 
 enum { RK_WARNINGS_MAX = 16 };
 
 struct rk_outlook {
     const struct rk_study *study;
+    struct rk_plan *plan; /* an outline: without its runs */
     struct rk_forecast *points;
     struct rk_speed speed;
     struct rk_gain gain; /* of threads for one scene, where cores are idle at the end */
     int threads;
     size_t runs;
+    double settling, beds_disk;                            /* what beds add to cost and disk */
     double cost, disk, memory, core_seconds, wall_seconds; /* of the whole study */
     char warnings[RK_WARNINGS_MAX][256];
     size_t warning_count;

@@ -83,7 +83,8 @@ static struct rk_scene *prepare(const struct rk_study *study, const struct rk_po
         shrink(scene, params);
     }
     struct rk_stream stream = rk_stream_of(study->seed, point->key, 0, RK_FOR_GRAINS, 0);
-    enum rk_status status = scene->prepare(params, stream, &cancel, &made, &preparation, NULL);
+    enum rk_status status =
+        rk_case_prepare(scene, params, stream, &cancel, &made, &preparation, NULL);
     free(params);
     return status == RK_OK ? made : NULL;
 }

@@ -4,6 +4,7 @@
 #include "ensemble/command/command.h"
 #include "ensemble/command/progress.h"
 #include "ensemble/store.h"
+#include "ensemble/store/beds.h"
 #include "ensemble/store/plan_file.h"
 #include "ensemble/store/worker.h"
 
@@ -31,6 +32,7 @@ struct tally {
     size_t running;                  /* of those started or waiting, what somebody is at */
     double left;                     /* grain-steps, at most */
     double rate;                     /* of all who are at work */
+    size_t beds;                     /* of the plan's, settled */
     struct rk_work *workers;
     size_t worker_count;
 };
@@ -86,6 +88,7 @@ static struct tally tally_of(const char *folder, const struct rk_plan *plan) {
         }
     }
     free(running);
+    tally.beds = rk_beds_count(folder, plan);
     return tally;
 }
 
@@ -123,6 +126,9 @@ static void print_text(const char *folder, const struct rk_plan *plan, const str
     printf("  running  %8zu\n", running);
     printf("  stopped  %8zu\n", stopped);
     printf("  waiting  %8zu\n", open - running - stopped);
+    if (open > 0) {
+        printf("%zu of %zu beds settled\n", t->beds, plan->beds);
+    }
     print_workers(t);
     if (open > 0 && t->rate > 0) {
         char text[32];
@@ -176,6 +182,8 @@ static void print_json(const char *folder, const struct rk_plan *plan, const str
     rk_json_count(&json, "running", t->running);
     rk_json_count(&json, "started", t->count[RK_RUN_STARTED]);
     rk_json_count(&json, "waiting", t->count[RK_RUN_WAITING]);
+    rk_json_count(&json, "beds", plan->beds);
+    rk_json_count(&json, "beds_settled", t->beds);
     rk_json_number(&json, "grain_steps_left", t->left);
     rk_json_number(&json, "grain_steps_per_second", t->rate);
     rk_json_number(&json, "seconds_left", eta(t));

@@ -57,7 +57,8 @@ static bool tries(void *context) {
 
 static bool holds(void *context) {
     const struct rk_berth *berth = context;
-    return rk_claim_holds(berth->crew->worker, berth->run);
+    const struct rk_thing thing = rk_thing_run(berth->run);
+    return rk_claim_holds(berth->crew->worker, &thing);
 }
 
 /* ---- One run ---- */
@@ -115,6 +116,7 @@ static enum rk_status carry_out(struct rk_berth *berth, size_t i, struct rk_erro
                                        .tries = tries,
                                        .holds = holds,
                                        .context = berth,
+                                       .worker = crew->worker,
                                        .checkpoint_every = crew->options->checkpoint_every};
     struct rk_error why = RK_NO_ERROR;
     bool failed = false;
@@ -139,9 +141,10 @@ static enum rk_status carry_out(struct rk_berth *berth, size_t i, struct rk_erro
 static void take_up(struct rk_berth *berth, size_t i) {
     struct rk_crew *crew = berth->crew;
     const struct rk_run *run = &crew->plan->runs[i];
+    const struct rk_thing thing = rk_thing_run(run);
     struct rk_error why = RK_NO_ERROR;
     bool mine;
-    enum rk_status status = rk_claim_take(crew->worker, run, &mine, NULL, &why);
+    enum rk_status status = rk_claim_take(crew->worker, &thing, &mine, NULL, &why);
     if (status == RK_OK && !mine) {
         crew->states[i] = RK_RUN_STARTED; /* elsewhere */
         berth->done = 0;
@@ -150,7 +153,7 @@ static void take_up(struct rk_berth *berth, size_t i) {
     if (status == RK_OK) {
         begin(berth, i);
         status = carry_out(berth, i, &why);
-        rk_claim_release(crew->worker, run, status == RK_OK);
+        rk_claim_release(crew->worker, &thing, status == RK_OK);
         end(berth, i, status == RK_OK);
     }
     if (status != RK_OK && status != RK_EINTERRUPTED && status != RK_ECONFLICT) {

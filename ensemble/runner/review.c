@@ -70,9 +70,10 @@ enum rk_status rk_crew_look(struct rk_crew *crew, size_t i, struct rk_error *err
  * to be done again, all of it: for good, so that whoever comes next finds it waiting. */
 static enum rk_status clear_up(struct rk_crew *crew, size_t i, bool all, struct rk_error *err) {
     const struct rk_run *run = &crew->plan->runs[i];
+    const struct rk_thing thing = rk_thing_run(run);
     struct rk_path path;
     bool mine, failed = crew->states[i] == RK_RUN_FAILED;
-    enum rk_status status = rk_claim_take(crew->worker, run, &mine, NULL, err);
+    enum rk_status status = rk_claim_take(crew->worker, &thing, &mine, NULL, err);
     if (status != RK_OK || !mine) {
         return status;
     }
@@ -86,7 +87,7 @@ static enum rk_status clear_up(struct rk_crew *crew, size_t i, bool all, struct 
     if (status == RK_OK) {
         status = rk_run_tidy(crew->folder, crew->plan, run, failed, err);
     }
-    rk_claim_release(crew->worker, run, true);
+    rk_claim_release(crew->worker, &thing, true);
     return status;
 }
 

@@ -1,5 +1,6 @@
 #include "ensemble/runner/run.h"
 #include "base/memory.h"
+#include "ensemble/runner/bed.h"
 #include "ensemble/runner/clock.h"
 #include "ensemble/store/checkpoint.h"
 #include "ensemble/store/columns.h"
@@ -7,7 +8,6 @@
 #include "ensemble/store/h5md.h"
 #include "ensemble/store/spool.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,14 +15,12 @@
 /* Grain-steps between two looks at the stop request: some 10 ms. */
 static const double stop_grain_steps = 3e5;
 
-/* Seconds of preparation that are worth a checkpoint. */
-static const double first_checkpoint = 1;
-
 struct paths {
     struct rk_path spool, checkpoint, partial, final;
 };
 
 struct work {
+    const char *folder;
     const struct rk_plan *plan;
     const struct rk_run *run;
     const struct rk_try *try;
@@ -33,6 +31,7 @@ struct work {
     struct rk_schedule schedule;
     struct rk_focus focus;
     struct rk_origin origin;
+    struct rk_bed bed;
     struct rk_scene *scene;
     struct rk_spool *spool;
     struct rk_preparation preparation;
@@ -184,7 +183,7 @@ static enum rk_status resume_from(struct work *w, int generation, bool *found,
     if (!*found) {
         return status;
     }
-    status = w->scene_case->empty(w->params, &w->scene, err);
+    status = rk_case_empty(w->scene_case, w->params, &w->scene, err);
     if (status == RK_OK) {
         status = rk_scene_unpack(w->scene, c.state, c.size, err);
     }
@@ -230,31 +229,27 @@ static enum rk_status resume(struct work *w, struct rk_error *err) {
     return RK_OK;
 }
 
-/* Prepare the bed and record step 0. The first checkpoint is taken at once where that took its
- * time: a bed may take longer to settle than its run to be shaken. */
+/* From the bed; step 0 is recorded. */
 static enum rk_status begin(struct work *w, struct rk_error *err) {
-    struct rk_cancel cancel = {w->hooks->stop, w->hooks->between, w->hooks->context};
-    double start = rk_clock();
-    enum rk_status status =
-        w->scene_case->prepare(w->params, rk_run_stream(w->plan, w->run, RK_FOR_GRAINS, 0),
-                               w->hooks->stop ? &cancel : NULL, &w->scene, &w->preparation, err);
+    const struct rk_bed_wish wish = {.folder = w->folder,
+                                     .scene_case = w->scene_case,
+                                     .params = w->params,
+                                     .bed = &w->bed,
+                                     .run = w->run,
+                                     .hooks = w->hooks};
+    uint64_t settled;
+    enum rk_status status = rk_bed_begin(&wish, &w->scene, &w->preparation, &settled, err);
     if (status != RK_OK) {
-        w->scene = NULL; /* of a scene that failed nothing is kept */
         return status;
     }
     double grains = (double)rk_scene_grains(w->scene);
-    advance(w, grains * (double)w->preparation.steps);
-    spare(w, w->run->cost - grains * ((double)w->preparation.steps + (double)w->schedule.steps));
+    spare(w, w->run->cost - grains * ((double)settled + (double)w->schedule.steps));
     struct rk_spool_shape shape = shape_of(w);
     status = rk_spool_create(w->paths.spool.text, &shape, &w->spool, err);
     if (status == RK_OK) {
         status = allocate(w, err);
     }
-    if (status == RK_OK) {
-        status = record(w, err);
-    }
-    bool worth = rk_clock() - start >= fmin(first_checkpoint, w->hooks->checkpoint_every);
-    return status == RK_OK && worth ? checkpoint(w, err) : status;
+    return status == RK_OK ? record(w, err) : status;
 }
 
 /* ---- Going on ---- */
@@ -342,6 +337,7 @@ static enum rk_status publish(struct work *w, const struct rk_error *failure,
                                 .run = w->run,
                                 .schedule = w->schedule,
                                 .scene = w->scene,
+                                .bed = w->bed.name.text,
                                 .preparation = w->preparation,
                                 .failed = failure != NULL,
                                 .reason = failure ? failure->message : NULL,
@@ -429,14 +425,22 @@ enum rk_status rk_run_execute(const char *folder, const struct rk_plan *plan,
                               const struct rk_run *run, const struct rk_try *try,
                               const struct rk_run_hooks *hooks, bool *failed,
                               struct rk_error *err) {
-    struct work w = {
-        .plan = plan, .run = run, .try = try, .hooks = hooks, .scene_case = plan->study->scene};
+    struct work w = {.folder = folder,
+                     .plan = plan,
+                     .run = run,
+                     .try = try,
+                     .hooks = hooks,
+                     .scene_case = plan->study->scene};
     w.params = try->params;
     w.schedule = w.scene_case->schedule(w.params);
     w.focus = w.scene_case->focus(w.params);
     w.origin = rk_origin_of_try(plan, run, try->retries);
     struct rk_error why = RK_NO_ERROR;
     enum rk_status status = set_paths(&w.paths, folder, run, err);
+    if (status == RK_OK) {
+        status = rk_bed_of(plan->study, &plan->study->points[run->point], w.params, run->replica,
+                           &w.bed, err);
+    }
     if (status != RK_OK) {
         return status;
     }

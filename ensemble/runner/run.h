@@ -1,6 +1,6 @@
 /* One run from its random numbers to its file, by one thread, stopped and resumed at will.
  *
- * The bed is prepared from the run's stream, or the run goes on from its last good checkpoint.
+ * It begins from its bed (runner/bed.h), or goes on from its last good checkpoint.
  * Then: step to the next moment of interest, look, record, and at the end write the file. Looking,
  * recording and checkpoints are done between steps and see the scene as const; how often they
  * happen, and how the steps are dealt out, changes nothing.
@@ -12,6 +12,8 @@
 
 #include <stdbool.h>
 
+struct rk_worker;
+
 /* What a run tells and asks while it goes; any function may be NULL. */
 struct rk_run_hooks {
     bool (*stop)(void *context);                            /* asked every few milliseconds */
@@ -22,7 +24,8 @@ struct rk_run_hooks {
     bool (*tries)(void *context); /* asked then: is it to be called again soon? */
     bool (*holds)(void *context); /* asked before files change: is the run still this program's? */
     void *context;
-    double checkpoint_every; /* seconds between two checkpoints; 0: at every sample */
+    const struct rk_worker *worker; /* whose claims on beds are; NULL: nobody else is at work */
+    double checkpoint_every;        /* seconds between two checkpoints; 0: at every sample */
 };
 
 /* Which try of a run it is (struct rk_retry). */
@@ -34,9 +37,9 @@ struct rk_try {
 
 /* Carry out a try of a run in a study folder (which must have its "runs"). RK_OK: its file is
  * there, and *failed tells whether it records a failure. RK_EINTERRUPTED: stopped on request, with
- * a checkpoint unless it was still being prepared. RK_ECONFLICT: it is another program's by now.
- * RK_EINVALID, RK_EMEMORY, RK_EIO: it could not be
- * carried out; what it had so far is kept as it is. */
+ * a checkpoint of the run, or of its bed while that was settling. RK_ECONFLICT: it is another
+ * program's by now. RK_EINVALID, RK_EMEMORY, RK_EIO: it could not be carried out; what it had so
+ * far is kept as it is. */
 enum rk_status rk_run_execute(const char *folder, const struct rk_plan *plan,
                               const struct rk_run *run, const struct rk_try *try,
                               const struct rk_run_hooks *hooks, bool *failed, struct rk_error *err);

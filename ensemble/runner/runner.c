@@ -1,6 +1,7 @@
 #include "ensemble/runner.h"
 #include "ensemble/runner/clock.h"
 #include "ensemble/runner/crew.h"
+#include "ensemble/store/beds.h"
 #include "ensemble/store/claim.h"
 #include "ensemble/store/index.h"
 #include "ensemble/store/process.h"
@@ -160,7 +161,10 @@ static void note_effort(struct rk_crew *crew, double since) {
  * be right. */
 static enum rk_status leave(struct rk_crew *crew, struct rk_error *err) {
     char who[96];
-    enum rk_status status = rk_worker_retire(crew->worker, err);
+    enum rk_status status = rk_beds_tidy(crew->worker, err);
+    if (status == RK_OK) {
+        status = rk_worker_retire(crew->worker, err);
+    }
     if (status != RK_OK || rk_store_shared(crew->store, who)) {
         return status;
     }

@@ -15,10 +15,9 @@ struct header {
     struct rk_origin origin;
     char version[39]; /* of the code: another version may pack or step differently */
     uint64_t step, spool, size;
-    uint64_t preparation_steps;
-    double preparation_time, preparation_kinetic;
+    struct rk_preparation preparation;
 };
-static const uint64_t magic = 0x3174706b63736b52; /* "Rksckpt1" */
+static const uint64_t magic = 0x3274706b63736b52; /* "Rksckpt2" */
 
 static struct header header_of(const struct rk_origin *origin, const struct rk_checkpoint *c) {
     struct header header;
@@ -30,9 +29,7 @@ static struct header header_of(const struct rk_origin *origin, const struct rk_c
     header.step = c->step;
     header.spool = c->spool;
     header.size = c->size;
-    header.preparation_steps = c->preparation.steps;
-    header.preparation_time = c->preparation.time;
-    header.preparation_kinetic = c->preparation.kinetic;
+    header.preparation = c->preparation;
     return header;
 }
 
@@ -116,9 +113,7 @@ static enum rk_status parse(const char *block, size_t size, const char *path,
     }
     *out = (struct rk_checkpoint){.step = header.step,
                                   .spool = header.spool,
-                                  .preparation = {.steps = header.preparation_steps,
-                                                  .time = header.preparation_time,
-                                                  .kinetic = header.preparation_kinetic},
+                                  .preparation = header.preparation,
                                   .size = header.size};
     return RK_OK;
 }

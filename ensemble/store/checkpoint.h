@@ -1,6 +1,6 @@
 /* Checkpoints: where a run stands, so that it can be killed at any moment.
  *
- * A checkpoint is the packed scene, its step, what its preparation came to, and the length of the
+ * A checkpoint is the packed scene, its step, how far its preparation came, and the length of the
  * spool that belongs to it, with a header that names the run and the version of the code, and an
  * XXH64 over everything. It is written to a temporary file, synced and renamed; the one before is
  * kept as "<path>.old". Packing looks at a scene only, so that no checkpoint alters a run.

@@ -78,6 +78,7 @@ static void write_provenance(struct writer *w) {
     rk_h5_note(h5, group, "point", point->name);
     rk_h5_note_value(h5, group, "point_key", RK_H5_COUNT, 0, &point->key);
     rk_h5_note_value(h5, group, "replica", RK_H5_COUNT, 0, &o->run->replica);
+    rk_h5_note(h5, group, "bed", o->bed);
     rk_h5_note(h5, group, "status", o->failed ? "failed" : "done");
     if (o->failed) {
         rk_h5_note(h5, group, "reason", o->reason);

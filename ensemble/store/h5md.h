@@ -10,7 +10,7 @@
  *     /observables/<probe>/<column> step and time as H5MD's fixed interval (scalars, attribute
  *                                   "offset" 0), value [sample], float64
  *     /parameters/<group>/<name>    every resolved parameter, scalars with their unit
- *     /provenance                   study, case, seed, point, replica, versions, preparation,
+ *     /provenance                   case, seed, point, replica, versions, bed and preparation,
  *                                   status "done" or "failed" (with reason and time); of a run
  *                                   that was tried again `retries`, `step_factor` (its time steps
  *                                   over those in /parameters) and the text `failures`
@@ -33,6 +33,7 @@ struct rk_record {
     const struct rk_run *run;
     struct rk_schedule schedule;
     const struct rk_scene *scene; /* at its last step; NULL if it could not be prepared */
+    const char *bed;              /* its name (rk_bed_of) */
     struct rk_preparation preparation;
     bool failed;
     const char *reason;   /* of a failure */

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 struct line {
     struct rk_param_ref ref;
@@ -94,4 +95,14 @@ const char *rk_canonical_text(struct rk_canonical *canonical, const void *values
     }
     *size = used;
     return canonical->text;
+}
+
+static bool in_key(struct rk_param_ref ref) {
+    return !rk_param_is_technical(ref);
+}
+
+uint64_t rk_canonical_key(struct rk_canonical *canonical, const char *scene, const void *values) {
+    size_t size;
+    const char *text = rk_canonical_text(canonical, values, in_key, &size, "case = %s\n", scene);
+    return XXH3_64bits(text, size);
 }

@@ -22,6 +22,10 @@ const char *rk_canonical_text(struct rk_canonical *canonical, const void *values
                               bool (*wants)(struct rk_param_ref ref), size_t *size,
                               const char *head, ...) __attribute__((format(printf, 5, 6)));
 
+/* The key of the random streams of a scene with these values: how finely it is stepped and when it
+ * is looked at is not in it. */
+uint64_t rk_canonical_key(struct rk_canonical *canonical, const char *scene, const void *values);
+
 /* Bytes that a value of the row takes in its struct. */
 size_t rk_canonical_size(const struct rk_param *row);
 

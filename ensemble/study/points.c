@@ -171,12 +171,6 @@ static void name_point(const char *name, const struct reader *r) {
     }
 }
 
-/* How long a run is, how finely it is stepped and when it is looked at must not change its random
- * numbers: the same beds at another time step. */
-static bool in_key(struct rk_param_ref ref) {
-    return !ref.group->technical;
-}
-
 /* Point `i` of the sweep of `root`. */
 static enum rk_status make_point(const struct reader *r, const struct root *root, size_t i,
                                  struct rk_point *point) {
@@ -203,10 +197,7 @@ static enum rk_status make_point(const struct reader *r, const struct root *root
         locate(r, root, i);
         return status;
     }
-    size_t length;
-    const char *text = rk_canonical_text(r->canonical, point->params, in_key, &length,
-                                         "case = %s\n", scene->piece.name);
-    point->key = XXH3_64bits(text, length);
+    point->key = rk_canonical_key(r->canonical, scene->piece.name, point->params);
     return RK_OK;
 }
 

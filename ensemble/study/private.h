@@ -4,9 +4,11 @@
 
 #include "ensemble/analysis.h"
 #include "ensemble/study.h"
+#include "ensemble/study/canonical.h"
 #include "ensemble/study/sources.h"
 
 #include <stdio.h>
+#include <xxhash.h>
 
 /* Letters, digits, '-', '_' and '.', beginning with a letter or digit: a safe file name. */
 enum rk_status rk_study_copy_name(struct rk_spot spot, const char *what, char name[RK_NAME],
@@ -53,5 +55,25 @@ enum rk_status rk_study_read_retry(const struct rk_sources *sources, struct rk_s
 /* The precision asked for, of a study whose analyses are read. */
 enum rk_status rk_study_read_until(const struct rk_sources *sources, struct rk_study *study,
                                    struct rk_error *err);
+
+/* What makes the identity of preparations: room for parameters and their text. */
+struct rk_preparer {
+    const struct rk_study *study;
+    struct rk_canonical *canonical;
+    void *prepared;
+};
+enum rk_status rk_preparer_init(struct rk_preparer *preparer, const struct rk_study *study,
+                                struct rk_error *err);
+void rk_preparer_clear(struct rk_preparer *preparer);
+
+/* The digest of what decides a bed that is settled with `params` for a point with `own`, and,
+ * returned, the key of its random streams. */
+uint64_t rk_preparer_identify(struct rk_preparer *preparer, const void *own, const void *params,
+                              char identity[RK_IDENTITY]);
+
+void rk_identity_write(XXH128_hash_t hash, char identity[RK_IDENTITY]);
+
+/* Who shares whose beds: plan->beds and points[].shared. */
+enum rk_status rk_plan_share_beds(struct rk_plan *plan, struct rk_error *err);
 
 #endif

@@ -45,7 +45,7 @@ static const struct rk_param rows[] = {
 };
 #undef AT
 static const struct rk_param_group groups[] = {
-    {"", rows, sizeof rows / sizeof *rows, 0, false},
+    {"", rows, sizeof rows / sizeof *rows, 0, RK_PART_NONE},
 };
 const struct rk_param_table rk_until_params = {groups, 1, sizeof(struct rk_until)};
 

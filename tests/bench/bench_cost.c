@@ -130,7 +130,7 @@ static enum rk_status prepare(struct variant *v, const struct options *o, struct
     }
     enum rk_status status = rk_case_bne.check(&bne, err);
     if (status == RK_OK) {
-        status = rk_case_bne.prepare(&bne, stream, NULL, &settled, &report, err);
+        status = rk_case_prepare(&rk_case_bne, &bne, stream, NULL, &settled, &report, err);
     }
     if (status == RK_OK && (v->mixed || v->ledger || v->integrator)) {
         status = rebuild(v, &bne, settled, err);

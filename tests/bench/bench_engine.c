@@ -128,7 +128,7 @@ static enum rk_status make_scene(const struct options *o, struct rk_scene **scen
     uint64_t begin = thread_nanoseconds();
     enum rk_status status = rk_case_bne.check(&o->bne, err);
     if (status == RK_OK) {
-        status = rk_case_bne.prepare(&o->bne, stream, NULL, scene, &report, err);
+        status = rk_case_prepare(&rk_case_bne, &o->bne, stream, NULL, scene, &report, err);
     }
     if (status == RK_OK) {
         printf("settled in %.0f steps (t = %.1f, kinetic energy a grain %.2e), %.1f CPU-s\n",

@@ -169,7 +169,7 @@ static enum rk_status make(const struct options *o, struct rk_scene **scene, str
     if (o->smooth) {
         bne.contact.friction = rk_registry_find(&rk_friction_registry, "none");
     }
-    enum rk_status status = rk_case_bne.prepare(&bne, stream, NULL, &one, &report, err);
+    enum rk_status status = rk_case_prepare(&rk_case_bne, &bne, stream, NULL, &one, &report, err);
     status = status ? status : rk_scene_step(one, 12500, err);
     status = status ? status : copy(o, &bne, one, scene, err);
     rk_scene_free(one);

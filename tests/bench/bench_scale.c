@@ -129,7 +129,7 @@ static enum rk_status settle(struct rk_bne *bne, size_t grains, double width,
     bne->box.sides = &rk_bne_sides_periodic;
     bne->box.width = width;
     bne->grains.count = grains;
-    enum rk_status status = rk_case_bne.prepare(bne, stream, NULL, scene, &report, err);
+    enum rk_status status = rk_case_prepare(&rk_case_bne, bne, stream, NULL, scene, &report, err);
     return status ? status : rk_scene_step(*scene, 6250, err);
 }
 

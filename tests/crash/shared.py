@@ -11,16 +11,9 @@ import sys
 import tempfile
 import time
 
-from study_runs import STUDY, expect_same, finished_are_whole, run, start, status
+from study_runs import STUDY, expect_same, finished_are_whole, other_machine, run, start, status, wait_for
 
 KILLS = int(sys.argv[3]) if len(sys.argv) > 3 else 12
-
-
-def wait_for(condition, seconds=60):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not happen"
-        time.sleep(0.005)
 
 
 def two_share(work, reference):
@@ -82,24 +75,12 @@ def everybody_dies(work, reference):
     print(f"both programs in a folder were killed {deaths} times: the same bytes")
 
 
-def other_machine(folder, run_id, silence):
-    """A claim and a record as a program on another machine would make them."""
-    name = "elsewhere-0123456789ab-77-1234-00000000"
-    (folder / "at_work").mkdir(exist_ok=True)
-    record = folder / "at_work" / name
-    record.write_text("process 77 on elsewhere\nrate 0\n")
-    then = time.time() - silence
-    os.utime(record, (then, then))
-    (folder / "runs" / f"{run_id}.claim").symlink_to(name)
-    return record
-
-
 def another_machine(work, reference):
     """A live program elsewhere keeps its run; one that fell silent loses it."""
     folder = work / "machines"
     shutil.copytree(reference, folder)
     (folder / "runs" / "walls-0001.h5").unlink()
-    record = other_machine(folder, "walls-0001", silence=10)
+    record = other_machine(folder, "runs/walls-0001", silence=10)
     waiting = start(folder)
     line = waiting.stderr.readline()
     assert "process 77 on elsewhere" in line, line

@@ -1,8 +1,10 @@
 """What the tests of this folder share: running a study, looking at it, comparing folders."""
 import json
+import os
 import pathlib
 import subprocess
 import sys
+import time
 
 RECKON, STUDY = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 
@@ -27,6 +29,25 @@ def status(folder):
     done = subprocess.run([RECKON, "status", str(folder), "--json"], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
+
+
+def wait_for(condition, seconds=60):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.005)
+
+
+def other_machine(folder, thing, silence):
+    """A claim on a run or bed, and a record, as a program on another machine would make them."""
+    name = "elsewhere-0123456789ab-77-1234-00000000"
+    (folder / "at_work").mkdir(exist_ok=True)
+    record = folder / "at_work" / name
+    record.write_text("process 77 on elsewhere\nrate 0\n")
+    then = time.time() - silence
+    os.utime(record, (then, then))
+    (folder / f"{thing}.claim").symlink_to(name)
+    return record
 
 
 def contents(folder):

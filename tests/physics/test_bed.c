@@ -26,7 +26,7 @@ static struct rk_scene *prepared(const struct rk_bne *bne, uint64_t replica) {
     struct rk_error err = RK_NO_ERROR;
     struct rk_stream stream = rk_stream_of(5, 0, replica, RK_FOR_GRAINS, 0);
     assert_int_equal(rk_case_bne.check(bne, &err), RK_OK);
-    enum rk_status status = rk_case_bne.prepare(bne, stream, NULL, &scene, &report, &err);
+    enum rk_status status = rk_case_prepare(&rk_case_bne, bne, stream, NULL, &scene, &report, &err);
     if (status) {
         fail_msg("%s", err.message);
     }

@@ -46,7 +46,9 @@ static struct rk_scene *settled(const struct deposit *d, uint64_t seed) {
     struct rk_stream stream = rk_stream_of(seed, 0, 0, RK_FOR_TESTS, 0);
     struct rk_preparation report = {0};
     enum rk_status status = rk_bed_fill(scene, &grains, d->width, d->periodic, &stream, &err);
-    status = status ? status : rk_bed_settle(scene, &settle, NULL, &report, &err);
+    while (status == RK_OK && report.state != RK_PREPARED) {
+        status = rk_bed_settle(scene, &settle, &report, &err);
+    }
     if (status) {
         fail_msg("%s", err.message);
     }

@@ -85,10 +85,10 @@ static const struct rk_param run_rows[] = {
      .doc = "samples a period"},
 };
 static const struct rk_param_group groups[] = {
-    {"box", box_rows, 2, offsetof(struct fake_params, box), false},
-    {"grains", grain_rows, 1, offsetof(struct fake_params, grains), false},
-    {"contact", contact_rows, 3, offsetof(struct fake_params, contact), false},
-    {"run", run_rows, 2, offsetof(struct fake_params, run), true},
+    {"box", box_rows, 2, offsetof(struct fake_params, box), RK_PART_PREPARES},
+    {"grains", grain_rows, 1, offsetof(struct fake_params, grains), RK_PART_PREPARES},
+    {"contact", contact_rows, 3, offsetof(struct fake_params, contact), RK_PART_PREPARES},
+    {"run", run_rows, 2, offsetof(struct fake_params, run), RK_PART_ACTS_TECHNICAL},
 };
 static const struct rk_param_table table = {groups, 4, sizeof(struct fake_params)};
 
@@ -154,7 +154,7 @@ static const struct rk_param analysis_rows[] = {
      .high = 0.999,
      .doc = "level"},
 };
-static const struct rk_param_group analysis_groups[] = {{"", analysis_rows, 2, 0, false}};
+static const struct rk_param_group analysis_groups[] = {{"", analysis_rows, 2, 0, RK_PART_NONE}};
 static const struct rk_param_table analysis_table = {analysis_groups, 1,
                                                      sizeof(struct fake_analysis)};
 

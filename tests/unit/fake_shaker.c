@@ -117,19 +117,19 @@ enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t
 
 /* ---- The case ---- */
 
-#define ROW(member, kind, standard, longer)                                                        \
+/* `watch`: only when it is prepared; `longer`: the same run goes on. */
+#define ROW(member, kind, standard, watch, longer)                                                 \
     {                                                                                              \
         .name = #member, .type = kind, .offset = offsetof(struct fake_shaker_params, member),      \
-        .unit = "", .value = standard, .low = 0, .high = 1e9, .doc = #member, .extends = longer    \
+        .unit = "", .value = standard, .low = 0, .high = 1e9, .doc = #member,                      \
+        .after_preparation = watch, .extends = longer                                              \
     }
 static const struct rk_param rows[] = {
-    ROW(grains, RK_PARAM_COUNT, 20, false),
-    ROW(periods, RK_PARAM_COUNT, 8, true),
-    ROW(samples, RK_PARAM_COUNT, 5, false),
-    ROW(frames, RK_PARAM_COUNT, 1, false),
-    ROW(blow_up, RK_PARAM_REAL, 0, false),
-    ROW(rotates, RK_PARAM_FLAG, 0, false),
-    ROW(bears, RK_PARAM_REAL, 0, false),
+    ROW(grains, RK_PARAM_COUNT, 20, false, false),
+    ROW(periods, RK_PARAM_COUNT, 8, true, true),
+    ROW(samples, RK_PARAM_COUNT, 5, true, false),
+    ROW(frames, RK_PARAM_COUNT, 1, true, false),
+    ROW(rotates, RK_PARAM_FLAG, 0, false, false),
     {.name = "step",
      .type = RK_PARAM_REAL,
      .offset = offsetof(struct fake_shaker_params, step),
@@ -140,9 +140,15 @@ static const struct rk_param rows[] = {
      .doc = "time step",
      .time_step = true},
 };
+static const struct rk_param limits[] = {
+    ROW(blow_up, RK_PARAM_REAL, 0, false, false),
+    ROW(bears, RK_PARAM_REAL, 0, false, false),
+};
 static const struct rk_param_group groups[] = {
-    {"shaker", rows, sizeof rows / sizeof *rows, 0, false}};
-static const struct rk_param_table table = {groups, 1, sizeof(struct fake_shaker_params)};
+    {"shaker", rows, sizeof rows / sizeof *rows, 0, RK_PART_PREPARES},
+    {"limits", limits, sizeof limits / sizeof *limits, 0, RK_PART_PREPARES_TECHNICAL},
+};
+static const struct rk_param_table table = {groups, 2, sizeof(struct fake_shaker_params)};
 
 static enum rk_status check(const void *params, struct rk_error *err) {
     const struct fake_shaker_params *p = params;
@@ -175,7 +181,7 @@ static struct rk_focus focus(const void *params) {
     return (struct rk_focus){.grain = 0};
 }
 
-static enum rk_status empty(const void *params, struct rk_scene **out, struct rk_error *err) {
+static enum rk_status box(const void *params, struct rk_scene **out, struct rk_error *err) {
     const struct fake_shaker_params *p = params;
     struct rk_scene *scene = calloc(1, sizeof *scene);
     if (!scene) {
@@ -189,27 +195,42 @@ static enum rk_status empty(const void *params, struct rk_scene **out, struct rk
     return RK_OK;
 }
 
-static enum rk_status prepare(const void *params, struct rk_stream stream,
-                              const struct rk_cancel *cancel, struct rk_scene **out,
-                              struct rk_preparation *report, struct rk_error *err) {
+static enum rk_status fill(const void *params, struct rk_stream stream, struct rk_scene *scene,
+                           struct rk_error *err) {
     const struct fake_shaker_params *p = params;
-    if (cancel && cancel->asked(cancel->context)) {
-        return rk_fail(err, RK_EINTERRUPTED, "given up");
+    (void)err;
+    scene->state.grains = p->grains;
+    for (size_t i = 0; i < p->grains; i++) {
+        for (size_t k = 0; k < 4; k++) {
+            scene->state.place[i][k] = rk_stream_uniform(&stream);
+        }
     }
+    return RK_OK;
+}
+
+static enum rk_status settle(const void *params, struct rk_scene *scene,
+                             struct rk_preparation *preparation, struct rk_error *err) {
+    const struct fake_shaker_params *p = params;
     if (p->blow_up == 1 && p->step > p->bears) {
         return rk_fail(err, RK_EUNSTABLE, "the bed would not come to rest");
     }
-    enum rk_status status = empty(params, out, err);
+    enum rk_status status = rk_scene_step(scene, 20, err);
     if (status != RK_OK) {
         return status;
     }
-    (*out)->state.grains = p->grains;
-    for (size_t i = 0; i < p->grains; i++) {
-        for (size_t k = 0; k < 4; k++) {
-            (*out)->state.place[i][k] = rk_stream_uniform(&stream);
-        }
-    }
-    *report = (struct rk_preparation){.steps = 60, .time = 0.6, .kinetic = 1e-5};
+    preparation->steps = scene->state.steps;
+    preparation->time = 0.01 * (double)preparation->steps;
+    preparation->kinetic = 1e-5;
+    preparation->state = preparation->steps == 60   ? RK_PREPARED
+                         : preparation->steps == 40 ? RK_PREPARED_NEXT
+                                                    : RK_PREPARING;
+    return RK_OK;
+}
+
+static enum rk_status start(const void *params, struct rk_scene *scene, struct rk_error *err) {
+    (void)params;
+    (void)err;
+    scene->state.steps = 0;
     return RK_OK;
 }
 
@@ -233,8 +254,10 @@ const struct rk_case fake_shaker = {
     .grains = grains,
     .preparation_steps = preparation_steps,
     .focus = focus,
-    .prepare = prepare,
-    .empty = empty,
+    .box = box,
+    .fill = fill,
+    .settle = settle,
+    .start = start,
     .probes = &probes,
 };
 static const struct rk_piece *const cases[] = {&fake_shaker.piece};

@@ -185,7 +185,7 @@ static const struct rk_param paint_rows[] = {
      .choices = &colour_registry,
      .doc = "of the paint"},
 };
-static const struct rk_param_group paint_groups[] = {{"paint", paint_rows, 4, 0, false}};
+static const struct rk_param_group paint_groups[] = {{"paint", paint_rows, 4, 0, RK_PART_NONE}};
 static const struct rk_param_table paint_table = {paint_groups, 1, sizeof(struct paint)};
 
 static void defaults_are_the_rows_own(void **state) {

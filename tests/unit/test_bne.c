@@ -33,7 +33,7 @@ static struct rk_scene *prepared(const struct rk_bne *bne) {
     struct rk_error err = RK_NO_ERROR;
     struct rk_stream stream = rk_stream_of(5, 0, 0, RK_FOR_TESTS, 0);
     if (rk_case_bne.check(bne, &err) ||
-        rk_case_bne.prepare(bne, stream, NULL, &scene, &report, &err)) {
+        rk_case_prepare(&rk_case_bne, bne, stream, NULL, &scene, &report, &err)) {
         fail_msg("%s", err.message);
     }
     return scene;
@@ -96,7 +96,7 @@ static void its_material_survives_packing(void **state) {
     struct rk_error err = RK_NO_ERROR;
     size_t size;
     void *block = kit_packed(scene, &size);
-    assert_int_equal(rk_case_bne.empty(&bne, &again, &err), RK_OK);
+    assert_int_equal(rk_case_empty(&rk_case_bne, &bne, &again, &err), RK_OK);
     assert_int_equal(rk_scene_unpack(again, block, size, &err), RK_OK);
     assert_int_equal(kit_grain(again, 0).material, 1);
     assert_int_equal(kit_grain(again, 1).material, 0);

@@ -5,8 +5,10 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,15 +23,18 @@ enum { PROCESSES = 6, RUNS = 2, DEATHS = 150, TAKES = 40 };
 
 struct fixture {
     char *folder;
-    struct rk_run runs[RUNS];
+    struct rk_thing things[RUNS];
 };
 
 static int make(void **state) {
     struct fixture *f = calloc(1, sizeof *f);
     f->folder = scratch_make();
     mkdir(scratch_path(f->folder, "runs"), 0777);
+    mkdir(scratch_path(f->folder, "beds"), 0777);
     for (int i = 0; i < RUNS; i++) {
-        snprintf(f->runs[i].id, sizeof f->runs[i].id, "run-%04d", i);
+        struct rk_run run;
+        snprintf(run.id, sizeof run.id, "run-%04d", i);
+        f->things[i] = i == 0 ? rk_thing_run(&run) : rk_thing_bed(run.id);
     }
     *state = f;
     return 0;
@@ -42,10 +47,10 @@ static int clear(void **state) {
     return 0;
 }
 
-/* Alone with the run? */
-static bool alone(const struct fixture *f, const struct rk_run *run, int *file) {
+/* Alone with it? */
+static bool alone(const struct fixture *f, const struct rk_thing *thing, int *file) {
     char name[64];
-    snprintf(name, sizeof name, "%s.alone", run->id);
+    snprintf(name, sizeof name, "%s.alone", thing->name + 5);
     struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
     *file = open(scratch_path(f->folder, name), O_RDWR | O_CREAT, 0666);
     return *file >= 0 && fcntl(*file, F_OFD_SETLK, &lock) == 0;
@@ -61,9 +66,9 @@ static int contend(const struct fixture *f, unsigned seed) {
     }
     for (int takes = 0; takes < TAKES;) {
         seed = seed * 1664525u + 1013904223u;
-        const struct rk_run *run = &f->runs[(seed >> 16) % RUNS];
+        const struct rk_thing *thing = &f->things[(seed >> 16) % RUNS];
         bool mine;
-        if (rk_claim_take(me, run, &mine, NULL, &err) != RK_OK) {
+        if (rk_claim_take(me, thing, &mine, NULL, &err) != RK_OK) {
             fprintf(stderr, "%s\n", err.message);
             return 2;
         }
@@ -72,7 +77,7 @@ static int contend(const struct fixture *f, unsigned seed) {
             continue;
         }
         int file;
-        bool is_alone = alone(f, run, &file), holds = rk_claim_holds(me, run);
+        bool is_alone = alone(f, thing, &file), holds = rk_claim_holds(me, thing);
         if (!is_alone || !holds) {
             fprintf(stderr, "alone %d, holds %d, known %d\n", is_alone, holds, rk_worker_known(me));
             return 1;
@@ -83,7 +88,7 @@ static int contend(const struct fixture *f, unsigned seed) {
         if ((seed >> 20) % 16 == 0) {
             _exit(3);
         }
-        rk_claim_release(me, run, (seed >> 24) % 2 == 0);
+        rk_claim_release(me, thing, (seed >> 24) % 2 == 0);
     }
     rk_worker_end(me);
     return 0;
@@ -105,23 +110,24 @@ static void expect_no_claim_left(const struct fixture *f) {
     assert_int_equal(rk_worker_begin(f->folder, &me, &err), RK_OK);
     rk_worker_sweep(me);
     for (int i = 0; i < RUNS; i++) {
-        assert_int_equal(rk_claim_take(me, &f->runs[i], &mine, NULL, &err), RK_OK);
+        assert_int_equal(rk_claim_take(me, &f->things[i], &mine, NULL, &err), RK_OK);
         assert_true(mine);
         char holder[RK_WORKER_NAME];
         bool again;
-        assert_int_equal(rk_claim_take(me, &f->runs[i], &again, holder, &err), RK_OK);
+        assert_int_equal(rk_claim_take(me, &f->things[i], &again, holder, &err), RK_OK);
         assert_false(again);
         assert_string_equal(holder, rk_worker_name(me));
-        rk_claim_release(me, &f->runs[i], true);
-        assert_false(rk_claim_holds(me, &f->runs[i]));
+        rk_claim_release(me, &f->things[i], true);
+        assert_false(rk_claim_holds(me, &f->things[i]));
     }
     rk_claim_sweep(me);
     rk_worker_end(me);
     assert_int_equal(rmdir(scratch_path(f->folder, "runs")), 0);
+    assert_int_equal(rmdir(scratch_path(f->folder, "beds")), 0);
     assert_true(access(scratch_path(f->folder, "at_work"), F_OK) != 0 && errno == ENOENT);
 }
 
-static void nobody_shares_a_run(void **state) {
+static void nobody_shares_a_claim(void **state) {
     const struct fixture *f = *state;
     unsigned seed = 1;
     int deaths = 0, running = 0;
@@ -142,6 +148,51 @@ static void nobody_shares_a_run(void **state) {
     }
     assert_true(deaths >= DEATHS - PROCESSES);
     expect_no_claim_left(f);
+}
+
+/* Threads of one worker exclude each other too, as those that need one bed must. */
+struct contest {
+    struct rk_worker *me;
+    const struct rk_thing *thing;
+    atomic_int inside;
+    atomic_bool crowded;
+};
+
+static void *contend_in_thread(void *context) {
+    struct contest *c = context;
+    for (int takes = 0; takes < TAKES;) {
+        bool mine;
+        if (rk_claim_take(c->me, c->thing, &mine, NULL, NULL) != RK_OK) {
+            atomic_store(&c->crowded, true);
+            break;
+        }
+        if (mine) {
+            if (atomic_fetch_add(&c->inside, 1) != 0) {
+                atomic_store(&c->crowded, true);
+            }
+            takes++;
+            usleep(100);
+            atomic_fetch_sub(&c->inside, 1);
+            rk_claim_release(c->me, c->thing, true);
+        }
+    }
+    return NULL;
+}
+
+static void threads_exclude_each_other(void **state) {
+    const struct fixture *f = *state;
+    enum { THREADS = 6 };
+    struct contest c = {.thing = &f->things[1]};
+    pthread_t threads[THREADS];
+    assert_int_equal(rk_worker_begin(f->folder, &c.me, NULL), RK_OK);
+    for (int t = 0; t < THREADS; t++) {
+        assert_int_equal(pthread_create(&threads[t], NULL, contend_in_thread, &c), 0);
+    }
+    for (int t = 0; t < THREADS; t++) {
+        assert_int_equal(pthread_join(threads[t], NULL), 0);
+    }
+    assert_false(atomic_load(&c.crowded));
+    rk_worker_end(c.me);
 }
 
 /* What is said in a record is read back, and the temporary files of the dead go. */
@@ -183,7 +234,8 @@ static void records_are_read_back(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(records_are_read_back, make, clear),
-        cmocka_unit_test_setup_teardown(nobody_shares_a_run, make, clear),
+        cmocka_unit_test_setup_teardown(threads_exclude_each_other, make, clear),
+        cmocka_unit_test_setup_teardown(nobody_shares_a_claim, make, clear),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -339,8 +339,8 @@ struct study {
 static void options_come_from_the_table(void **state) {
     (void)state;
     const struct rk_param_group groups[] = {
-        {"rate", rk_rate_params, RK_RATE_PARAMS, offsetof(struct study, rate), false},
-        {"ldf", rk_ldf_params, RK_LDF_PARAMS, offsetof(struct study, ldf), false},
+        {"rate", rk_rate_params, RK_RATE_PARAMS, offsetof(struct study, rate), RK_PART_NONE},
+        {"ldf", rk_ldf_params, RK_LDF_PARAMS, offsetof(struct study, ldf), RK_PART_NONE},
     };
     const struct rk_param_table table = {groups, 2, sizeof(struct study)};
     struct study study;

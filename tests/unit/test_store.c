@@ -240,6 +240,14 @@ static void a_damaged_file_is_told_and_done_again(void **state) {
 
 /* ---- What is recorded ---- */
 
+/* The random numbers of a run's bed. */
+static struct rk_stream stream_of(const struct fixture *f, const struct rk_run *r) {
+    struct rk_bed bed;
+    const struct rk_point *point = &f->study.points[r->point];
+    assert_int_equal(rk_bed_of(&f->study, point, point->params, r->replica, &bed, NULL), RK_OK);
+    return bed.stream;
+}
+
 static void observables_are_read_back(void **state) {
     struct fixture *f = *state;
     expect_run(f, "out", 1);
@@ -254,9 +262,8 @@ static void observables_are_read_back(void **state) {
     struct rk_preparation report;
     struct rk_focus focus = {0};
     double row[2];
-    assert_int_equal(fake_shaker.prepare(f->points[0].params,
-                                         rk_run_stream(f->plan, r, RK_FOR_GRAINS, 0), NULL, &scene,
-                                         &report, NULL),
+    assert_int_equal(rk_case_prepare(&fake_shaker, f->points[0].params, stream_of(f, r), NULL,
+                                     &scene, &report, NULL),
                      RK_OK);
     for (size_t i = 0; i < data.samples; i++) {
         rk_columns_sample(&fake_shaker, scene, &focus, row);
@@ -305,8 +312,7 @@ static void long_runs_cross_chunks(void **state) {
     H5Fclose(file);
     struct rk_scene *scene;
     struct rk_preparation report;
-    fake_shaker.prepare(&f->params[1], rk_run_stream(f->plan, r, RK_FOR_GRAINS, 0), NULL, &scene,
-                        &report, NULL);
+    rk_case_prepare(&fake_shaker, &f->params[1], stream_of(f, r), NULL, &scene, &report, NULL);
     float now[GRAINS][2], turned[GRAINS];
     for (size_t i = 0; i <= PERIODS; i++) {
         double row[2];

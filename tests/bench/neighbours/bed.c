@@ -51,7 +51,8 @@ enum rk_status bed_settle(uint64_t count, size_t threads, struct bed *bed, struc
     double begin = wall_seconds();
     enum rk_status status = rk_case_neighbours.check(&bed->study, err);
     if (status == RK_OK) {
-        status = rk_case_neighbours.prepare(&bed->study, stream, NULL, &scene, &report, err);
+        status =
+            rk_case_prepare(&rk_case_neighbours, &bed->study, stream, NULL, &scene, &report, err);
     }
     if (status == RK_OK) {
         bed->grains = rk_scene_grains(scene);
@@ -82,6 +83,6 @@ enum rk_status bed_open(const struct bed *bed, enum method method, size_t thread
     struct rk_neighbour_study study = bed->study;
     study.bne.accuracy.neighbour = rk_registry_find(&rk_neighbour_registry, method_names[method]);
     study.run.threads = threads;
-    enum rk_status status = rk_case_neighbours.empty(&study, scene, err);
+    enum rk_status status = rk_case_empty(&rk_case_neighbours, &study, scene, err);
     return status ? status : rk_scene_unpack(*scene, bed->block, bed->size, err);
 }
