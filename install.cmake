@@ -20,7 +20,7 @@ set(stats_headers
   blocking correlation data forces histogram ldf ldf_compare ldf_direct ldf_limit ldf_symmetry
   moments pdf rate relax resample resonance rise_time spectrum spread stats stein units)
 list(TRANSFORM stats_headers REPLACE "(.+)" "stats/\\1.h")
-foreach(header engine/engine.h cases/cases.h ${stats_headers} ensemble/study.h ensemble/store.h
+foreach(header engine/engine.h engine/spec.h cases/cases.h ${stats_headers} ensemble/study.h ensemble/store.h
         ensemble/runner.h ensemble/analysis.h)
   cmake_path(GET header PARENT_PATH folder)
   install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${RK_HEADERS}/${folder})

@@ -133,7 +133,7 @@ enum rk_status rk_close_reserve(struct rk_scene *scene, struct rk_error *err) {
     for (size_t t = 0; status == RK_OK && t < scene->share_count; t++) {
         struct rk_share *share = &scene->shares[t];
         share->close = stretch(&scene->close, at);
-        share->close.last = share->end;
+        share->close.last = RK_ROW_WIDTH * share->end;
         at += room_of(share);
     }
     return status;
@@ -178,7 +178,7 @@ void rk_close_return(struct rk_scene *scene, size_t share) {
 static void fill_up(const struct rk_share *share, size_t c) {
     const struct rk_close *close = &share->close;
     for (; c % RK_BLOCK != 0; c++) {
-        close->first[c] = close->second[c] = (uint32_t)share->begin;
+        close->first[c] = close->second[c] = (uint32_t)(RK_ROW_WIDTH * share->begin);
         close->reach[c] = 2e-200;
         if (close->shift) {
             close->shift[c] = 0;
@@ -210,7 +210,7 @@ void rk_close_pick_own(struct rk_scene *scene, size_t share) {
                                      s->pair_begin, s->pair_end, close, close->own);
     fill_up(s, close->end);
     size_t c = s->end == scene->grains.count ? close->end : close->own;
-    while (c < close->end && close->second[c] < s->end) {
+    while (c < close->end && close->second[c] < close->last) {
         c++;
     }
     close->crossing = c == close->end ? whole_blocks(c) : c / RK_BLOCK * RK_BLOCK;
@@ -225,12 +225,12 @@ void rk_close_gather(struct rk_scene *scene) {
     for (size_t s = 0; s < scene->share_count; s++) {
         const struct rk_close *close = &scene->shares[s].close;
         for (size_t c = close->own; c < close->end; c++) {
-            const double *one = g->motion + RK_MOTION_WIDTH * (size_t)close->first[c];
-            const double *other = g->motion + RK_MOTION_WIDTH * (size_t)close->second[c];
+            const double *one = g->motion + close->first[c];
+            const double *other = g->motion + close->second[c];
             double dx = other[0] - one[0], dy = other[1] - one[1];
             dx += close->shift ? close->shift[c] : 0;
-            t->first[count] = close->first[c];
-            t->second[count] = close->second[c];
+            t->first[count] = close->first[c] / RK_ROW_WIDTH;
+            t->second[count] = close->second[c] / RK_ROW_WIDTH;
             t->dx[count] = dx;
             t->dy[count] = dy;
             t->d2[count] = dx * dx + dy * dy;

@@ -165,13 +165,13 @@ void rk_groups_gather(struct rk_scene *scene) {
     for (size_t c = 0; c < scene->carried_count; c++) {
         size_t i = scene->carried[c];
         struct rk_group *group = &scene->groups[g->group[i] - 1];
-        const double *force = g->force + RK_FORCE_WIDTH * i;
+        const double *force = g->force + rk_force_width(g) * i;
         double arm[2], fx = force[0] - g->mass[i] * scene->gravity[0];
         double fy = force[1] - g->mass[i] * scene->gravity[1];
         arm_of(g, &group->mover, i, arm);
         group->mover.force[0] += fx;
         group->mover.force[1] += fy;
-        group->torque += arm[0] * fy - arm[1] * fx + force[2];
+        group->torque += arm[0] * fy - arm[1] * fx + (g->omega ? force[2] : 0);
     }
 }
 

@@ -124,9 +124,9 @@ static double farthest(const struct rk_scene *scene, const struct rk_bounds *mov
     for (int k = 0; k < 2; k++) {
         double low = move->low[k] < 0 ? move->low[k] : 0; /* against a body at rest, too */
         double high = move->high[k] > 0 ? move->high[k] : 0;
-        for (size_t row = 0; row < rk_mover_rows(scene); row++) {
-            const struct rk_mover *mover = rk_mover_at(scene, row);
-            double wall = mover ? mover->pose.velocity[k] * scene->spec.dt : 0;
+        for (size_t row = rk_mover_from(scene, 0); row < rk_mover_rows(scene);
+             row = rk_mover_from(scene, row + 1)) {
+            double wall = rk_mover_at(scene, row)->pose.velocity[k] * scene->spec.dt;
             low = wall < low ? wall : low;
             high = wall > high ? wall : high;
         }

@@ -40,6 +40,9 @@ extern const struct rk_integrator rk_integrator_verlet, rk_integrator_implicit, 
 /* The integrator of an accuracy spec; NULL stands for verlet. */
 const struct rk_integrator *rk_integrator_of(const struct rk_piece *piece);
 
+/* Does no motion of x'' = -x - 2 zeta x' grow under steps of h? */
+bool rk_integrator_stable(const struct rk_piece *piece, double h, double zeta);
+
 /* The map of velocity Verlet whose contact force is relaxed by s = relax b h/2; 0 is plain. */
 void rk_verlet_map(double h, double b, double relax, double m[RK_MAP_MAX][RK_MAP_MAX]);
 

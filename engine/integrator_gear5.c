@@ -72,7 +72,7 @@ static enum rk_status look_ahead(struct rk_scene *scene, const void *block, cons
     enum rk_status status = rk_scene_add_forces(scene, ahead, err);
     for (size_t k = 0; status == RK_OK && k < count; k++) {
         for (size_t i = 0; i < n; i++) {
-            found[k * n + i] = c[k].force[RK_FORCE_WIDTH * i] * c[k].inverse[i];
+            found[k * n + i] = c[k].force[rk_force_width(&scene->grains) * i] * c[k].inverse[i];
         }
     }
     return status;

@@ -43,15 +43,15 @@ static INLINE lanes implicit_relax(lanes predicted, lanes before, lanes s) {
  * order in which forces are added up. */
 static inline void implicit_add(double *spread, size_t i, const double share[3]) {
     for (size_t k = 0; k < 3; k++) {
-        spread[RK_FORCE_WIDTH * i + k] += share[k];
+        spread[i + k] += share[k];
     }
 }
 
 static void implicit_spread(struct rk_grains *grains, const struct rk_close *close) {
     for (size_t c = 0; c < close->end; c++) {
-        size_t i = close->first[c], j = close->second[c];
-        const double *one = grains->motion + RK_MOTION_WIDTH * i;
-        const double *other = grains->motion + RK_MOTION_WIDTH * j;
+        size_t i = close->first[c], j = close->second[c]; /* rows */
+        const double *one = grains->motion + i;
+        const double *other = grains->motion + j;
         double dx = other[0] - one[0], dy = other[1] - one[1];
         dx += close->shift ? close->shift[c] : 0;
         double d2 = dx * dx + dy * dy, inverse = 1 / d2;
@@ -71,18 +71,18 @@ static void implicit_spread(struct rk_grains *grains, const struct rk_close *clo
 static void implicit_ease(struct rk_grains *grains, const struct rk_close *close,
                           const struct rk_wall_touching *walls, size_t begin, size_t end) {
     double *spread = grains->spread;
-    memset(spread + RK_FORCE_WIDTH * begin, 0, (end - begin) * RK_FORCE_WIDTH * sizeof *spread);
+    memset(spread + RK_ROW_WIDTH * begin, 0, (end - begin) * RK_ROW_WIDTH * sizeof *spread);
     implicit_spread(grains, close);
     for (size_t c = 0; c < walls->count; c++) {
         const double share[3] = {2, 0, 0}; /* an eigenvalue is at most 1 larger */
         size_t i = walls->grain[c];
         if (i >= begin && i < end) {
-            implicit_add(spread, i, share);
+            implicit_add(spread, RK_ROW_WIDTH * i, share);
         }
     }
     for (size_t i = begin; i < end; i += LANES) {
         lanes trace, c2, s2;
-        lanes_load_rows(spread + RK_FORCE_WIDTH * i, &trace, &c2, &s2);
+        lanes_load_rows(spread + RK_ROW_WIDTH * i, &trace, &c2, &s2);
         lanes largest = 0.5 * (trace + lanes_root(c2 * c2 + s2 * s2));
         lanes_store(grains->ease + i,
                     lanes_larger(largest, lanes_all(1)) * lanes_load(grains->inverse_mass + i));

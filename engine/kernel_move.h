@@ -77,18 +77,33 @@ static void pad(struct rk_grains *grains) {
 /* What the forces of a step begin with: places and velocities as rows, for loops that take them out
  * of order, and the weights. Sums that begin with + 0 never become - 0, so that a force of 0 or -
  * 0, which a pair that does not touch adds, cannot be seen in them. */
-static INLINE void lay_out(struct rk_grains *grains, size_t i, const double gravity[2], lanes x,
-                           lanes y, lanes vx, lanes vy) {
+static INLINE void lay_out(struct rk_grains *grains, size_t i, bool turns, const double gravity[2],
+                           lanes x, lanes y, lanes vx, lanes vy) {
     const lanes mass = lanes_load(grains->mass + i), none = lanes_all(0);
-    lanes_store_rows(grains->motion + RK_MOTION_WIDTH * i, x, y, vx, vy);
-    lanes_store_rows(grains->force + RK_FORCE_WIDTH * i, mass * gravity[0] + none,
-                     mass * gravity[1] + none, none, none);
+    const lanes fx = mass * gravity[0] + none, fy = mass * gravity[1] + none;
+    lanes_store_rows(grains->motion + RK_ROW_WIDTH * i, x, y, vx, vy);
+    if (turns) {
+        lanes_store_rows(grains->force + RK_ROW_WIDTH * i, fx, fy, none, none);
+    } else {
+        lanes_store_pairs(grains->force + RK_PAIR_WIDTH * i, fx, fy);
+    }
 }
 
 static void ready(struct rk_grains *grains, size_t begin, size_t end, const double gravity[2]) {
+    const bool turns = grains->omega;
     for (size_t i = begin; i < end; i += LANES) {
-        lay_out(grains, i, gravity, lanes_load(grains->x + i), lanes_load(grains->y + i),
+        lay_out(grains, i, turns, gravity, lanes_load(grains->x + i), lanes_load(grains->y + i),
                 lanes_load(grains->vx + i), lanes_load(grains->vy + i));
+    }
+}
+
+/* fx, fy and, if they turn, the torque of some grains; otherwise 0. */
+static INLINE void sums_load(const struct rk_grains *grains, size_t i, bool turns, lanes sum[3]) {
+    sum[2] = lanes_all(0);
+    if (turns) {
+        lanes_load_rows(grains->force + RK_ROW_WIDTH * i, &sum[0], &sum[1], &sum[2]);
+    } else {
+        lanes_load_pairs(grains->force + RK_PAIR_WIDTH * i, &sum[0], &sum[1]);
     }
 }
 
@@ -108,17 +123,17 @@ static INLINE lanes take_course(const struct track *t, size_t i, struct course *
     return move;
 }
 
-static INLINE void predict_some(struct rk_grains *grains, size_t i, bool corrects, double dt,
-                                const double gravity[2], struct span *span_x, struct span *span_y) {
+static INLINE void predict_some(struct rk_grains *grains, size_t i, bool turns, bool corrects,
+                                double dt, const double gravity[2], struct span span[2]) {
     const struct track tracks[3] = {{grains->x, grains->vx, grains->ax},
                                     {grains->y, grains->vy, grains->ay},
                                     {grains->angle, grains->omega, grains->alpha}};
-    const size_t count = grains->omega ? 3 : 2;
+    const size_t count = turns ? 3 : 2;
     const double half = 0.5 * dt, half_dt2 = 0.5 * dt * dt;
     struct course course[3];
     lanes move[3], force[3], inverse_mass = lanes_all(0);
     if (corrects) {
-        lanes_load_rows(grains->force + RK_FORCE_WIDTH * i, &force[0], &force[1], &force[2]);
+        sums_load(grains, i, turns, force);
         inverse_mass = lanes_load(grains->inverse_mass + i);
     }
     for (size_t k = 0; k < count; k++) {
@@ -131,36 +146,37 @@ static INLINE void predict_some(struct rk_grains *grains, size_t i, bool correct
         }
         move[k] = take_course(t, i, &course[k], dt, half_dt2);
     }
-    widen(span_x, move[0]);
-    widen(span_y, move[1]);
-    lay_out(grains, i, gravity, course[0].r, course[1].r, course[0].v, course[1].v);
+    widen(&span[0], move[0]);
+    widen(&span[1], move[1]);
+    lay_out(grains, i, turns, gravity, course[0].r, course[1].r, course[0].v, course[1].v);
 }
 
 static void predict(struct rk_grains *grains, size_t begin, size_t end, double dt,
                     const double gravity[2], struct rk_bounds *moved) {
-    struct span x = no_span(), y = no_span();
+    const bool turns = grains->omega;
+    struct span span[2] = {no_span(), no_span()};
     if (end == grains->count) {
         pad(grains);
     }
     for (size_t i = begin; i < end; i += LANES) {
-        predict_some(grains, i, false, dt, gravity, &x, &y);
+        predict_some(grains, i, turns, false, dt, gravity, span);
     }
-    set_bounds(moved, &x, &y);
+    set_bounds(moved, &span[0], &span[1]);
 }
 
 static void correct(struct rk_grains *grains, size_t begin, size_t end, double dt,
                     struct rk_bounds *moved) {
     *moved = (struct rk_bounds){{0, 0}, {0, 0}};
     const double half = 0.5 * dt;
+    const bool turns = grains->omega;
     for (size_t i = begin; i < end; i += LANES) {
-        lanes fx, fy, torque;
-        lanes_load_rows(grains->force + RK_FORCE_WIDTH * i, &fx, &fy, &torque);
-        lanes inverse_mass = lanes_load(grains->inverse_mass + i);
-        correct_some(grains->vx + i, grains->ax + i, fx * inverse_mass, half);
-        correct_some(grains->vy + i, grains->ay + i, fy * inverse_mass, half);
-        if (grains->omega) {
+        lanes force[3], inverse_mass = lanes_load(grains->inverse_mass + i);
+        sums_load(grains, i, turns, force);
+        correct_some(grains->vx + i, grains->ax + i, force[0] * inverse_mass, half);
+        correct_some(grains->vy + i, grains->ay + i, force[1] * inverse_mass, half);
+        if (turns) {
             correct_some(grains->omega + i, grains->alpha + i,
-                         torque * lanes_load(grains->inverse_inertia + i), half);
+                         force[2] * lanes_load(grains->inverse_inertia + i), half);
         }
     }
 }
@@ -170,11 +186,17 @@ static void correct(struct rk_grains *grains, size_t begin, size_t end, double d
 static void advance(struct rk_grains *grains, size_t begin, size_t end, double dt,
                     const double gravity[2], struct rk_bounds *moved) {
     const size_t whole = end - (end - begin) % LANES;
-    struct span x = no_span(), y = no_span();
-    for (size_t i = begin; i < whole; i += LANES) {
-        predict_some(grains, i, true, dt, gravity, &x, &y);
+    struct span span[2] = {no_span(), no_span()};
+    if (grains->omega) {
+        for (size_t i = begin; i < whole; i += LANES) {
+            predict_some(grains, i, true, true, dt, gravity, span);
+        }
+    } else {
+        for (size_t i = begin; i < whole; i += LANES) {
+            predict_some(grains, i, false, true, dt, gravity, span);
+        }
     }
-    set_bounds(moved, &x, &y);
+    set_bounds(moved, &span[0], &span[1]);
     if (whole < end) {
         struct rk_bounds rest;
         correct(grains, whole, end, dt, &rest);

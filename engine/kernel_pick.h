@@ -10,8 +10,8 @@ static inline size_t pick_one(const struct rk_grains *grains, const struct rk_pa
         dx += pairs->shift[p];
         close->shift[c] = pairs->shift[p];
     }
-    close->first[c] = i;
-    close->second[c] = j;
+    close->first[c] = RK_ROW_WIDTH * i;
+    close->second[c] = RK_ROW_WIDTH * j;
     close->reach[c] = reach;
     if (close->pair) {
         close->pair[c] = (uint32_t)p;
@@ -57,8 +57,8 @@ static inline size_t pick_eight(const struct rk_grains *grains, const struct rk_
 #define PACKED(a) ((lanes)_mm512_maskz_compress_pd(near, (__m512d)(a)))
 #define STORE_INDEX(to, a)                                                                         \
     _mm256_storeu_si256((__m256i *)((to) + c), _mm256_maskz_compress_epi32(near, a))
-    STORE_INDEX(close->first, i);
-    STORE_INDEX(close->second, j);
+    STORE_INDEX(close->first, _mm256_slli_epi32(i, 2));
+    STORE_INDEX(close->second, _mm256_slli_epi32(j, 2));
     if (close->pair) {
         const __m256i lane = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
         STORE_INDEX(close->pair, _mm256_add_epi32(_mm256_set1_epi32((int)p), lane));

@@ -63,10 +63,11 @@ static INLINE struct answer resist(const struct flavour f, const struct rk_conta
 
 /* Where the coefficients of eight pairs of materials begin, counted in doubles. */
 static INLINE void mix(const struct rk_contact_law *law, const uint32_t *material,
-                       const uint32_t *i, const uint32_t *j, uint32_t index[LANES]) {
+                       const uint32_t *first, const uint32_t *second, uint32_t index[LANES]) {
     for (int l = 0; l < LANES; l++) {
-        index[l] = (uint32_t)((material[i[l]] * law->materials + material[j[l]]) *
-                              (uint32_t)RK_COEFFICIENTS);
+        uint32_t i = first[l] / RK_ROW_WIDTH, j = second[l] / RK_ROW_WIDTH;
+        index[l] =
+            (uint32_t)((material[i] * law->materials + material[j]) * (uint32_t)RK_COEFFICIENTS);
     }
 }
 
@@ -81,23 +82,25 @@ struct view {
 static INLINE struct view measure(const struct flavour f, const struct rk_grains *grains,
                                   const struct rk_close *close, size_t c) {
     const lanes one = lanes_all(1);
-    lanes xi, yi, vxi, vyi, xj, yj, vxj, vyj;
-    lanes_gather_rows(grains->motion, close->first + c, &xi, &yi, &vxi, &vyi);
-    lanes_gather_rows(grains->motion, close->second + c, &xj, &yj, &vxj, &vyj);
-    lanes dx = xj - xi, dy = yj - yi, reach = lanes_load(close->reach + c);
+    lanes dx, dy, ux, uy, reach = lanes_load(close->reach + c);
+    lanes_row_differences(grains->motion, close->first + c, close->second + c, &dx, &dy, &ux, &uy);
     if (close->shift) {
         dx += lanes_load(close->shift + c);
     }
     lanes d2 = dx * dx + dy * dy;
     const lanes_mask touch = lanes_below(d2, reach * reach);
     d2 = lanes_choose(touch, d2, one); /* all numbers stay finite */
-    lanes distance = lanes_root(d2);
-    lanes quotient = 1 / (distance * reach); /* one division for the two that are needed */
-    lanes inverse = reach * quotient;
+    lanes distance = lanes_root(d2), quotient = one, inverse;
+    if (f.tangent == RK_SMOOTH) {
+        inverse = distance * (1 / d2); /* root and division at the same time */
+    } else {
+        quotient = 1 / (distance * reach); /* one division for the two that are needed */
+        inverse = reach * quotient;
+    }
     return (struct view){.nx = dx * inverse,
                          .ny = dy * inverse,
-                         .ux = vxj - vxi,
-                         .uy = vyj - vyi,
+                         .ux = ux,
+                         .uy = uy,
                          .overlap = reach - distance,
                          .share = f.tangent != RK_SMOOTH ? d2 * quotient : one,
                          .touch = touch};
@@ -121,14 +124,16 @@ static INLINE void decide(const struct flavour f, const struct rk_grains *grains
         radius_j = lanes_load(close->radius_second + c);
     }
     if (f.normal == RK_MASS_DAMPED) {
-        lanes mass_i = lanes_gather(grains->mass, i), mass_j = lanes_gather(grains->mass, j);
+        lanes mass_i = lanes_gather_beside(grains->mass, i),
+              mass_j = lanes_gather_beside(grains->mass, j);
         m.reduced_mass = mass_i * mass_j / (mass_i + mass_j);
     }
     if (f.normal == RK_VISCOELASTIC || f.rolls) {
         m.reduced_radius = radius_i * radius_j / (radius_i + radius_j);
     }
     if (rotates) {
-        lanes omega_i = lanes_gather(grains->omega, i), omega_j = lanes_gather(grains->omega, j);
+        lanes omega_i = lanes_gather_beside(grains->omega, i),
+              omega_j = lanes_gather_beside(grains->omega, j);
         lanes share = v->share;
         arm_i = radius_i * share;
         arm_j = radius_j * share;
@@ -139,7 +144,7 @@ static INLINE void decide(const struct flavour f, const struct rk_grains *grains
         mix(law, grains->material, i, j, index);
     }
     if (f.implicit) {
-        m.ease = lanes_gather(grains->ease, i) + lanes_gather(grains->ease, j);
+        m.ease = lanes_gather_beside(grains->ease, i) + lanes_gather_beside(grains->ease, j);
         fn = lanes_load(close->history[RK_HISTORY_FN] + c);
     }
     if (f.tangent == RK_CUNDALL_STRACK) {
@@ -171,64 +176,81 @@ static INLINE void decide(const struct flavour f, const struct rk_grains *grains
 /* For every grain there is one order in which its forces are ever added up: its weight, contacts in
  * which it is second, contacts in which it is first, each in ascending order of the other grain;
  * then walls. */
-static INLINE void give_first(bool rotates, double *total, const double *rows, size_t l, size_t i) {
+static INLINE double *pair_beside(double *force, size_t row) {
+    return (double *)((char *)force + row * (sizeof(double) / 2));
+}
+
+static INLINE void give_first(bool rotates, double *force, size_t row, const double *rows,
+                              size_t l) {
     if (rotates) {
-        four_subtract(total + RK_FORCE_WIDTH * i, rows + 4 * l);
+        four_subtract(force + row, rows + 4 * l);
     } else {
-        two_subtract(total + RK_FORCE_WIDTH * i, rows + lanes_row_of_two(l));
+        two_subtract(pair_beside(force, row), rows + lanes_row_of_two(l));
     }
 }
 
-static INLINE void give_second(bool rotates, double *total, const double *rows, size_t l,
-                               size_t j) {
+static INLINE void give_second(bool rotates, double *force, size_t row, const double *rows,
+                               size_t l) {
     if (rotates) {
-        four_add_exchanged(total + RK_FORCE_WIDTH * j, rows + 4 * l);
+        four_add_exchanged(force + row, rows + 4 * l);
     } else {
-        two_add(total + RK_FORCE_WIDTH * j, rows + lanes_row_of_two(l));
+        two_add(pair_beside(force, row), rows + lanes_row_of_two(l));
     }
 }
 
-/* The rows of close pairs c to c + LANES: to the grains of this thread only. */
-static INLINE void give(bool rotates, double *total, const double *rows,
+/* The rows of close pairs c to c + LANES: to the grains of this thread only, which are both of each
+ * pair if they are `inner` ones. */
+static INLINE void give(bool rotates, bool inner, double *force, const double *rows,
                         const struct rk_close *close, size_t c) {
     const uint32_t *i = close->first + c, *j = close->second + c;
-    if (c >= close->own && c < close->crossing) {
-        for (size_t l = 0; l < LANES; l++) {
-            give_first(rotates, total, rows, l, i[l]);
-            give_second(rotates, total, rows, l, j[l]);
-        }
-        return;
-    }
     for (size_t l = 0; l < LANES; l++) {
-        if (c >= close->own) {
-            give_first(rotates, total, rows, l, i[l]);
+        if (inner || c >= close->own) {
+            give_first(rotates, force, i[l], rows, l);
         }
-        if (j[l] < close->last) {
-            give_second(rotates, total, rows, l, j[l]);
+        if (inner || j[l] < close->last) {
+            give_second(rotates, force, j[l], rows, l);
         }
     }
 }
 
-/* Each round looks at the next pairs before it deals with those it has looked at: roots and
- * quotients of the ones are worked out while the others are summed. */
+/* Close pairs begin to end; gives how many touch. Each round looks at the next pairs before it
+ * deals with those it has looked at: roots and quotients of the ones are worked out while the
+ * others are summed. */
+static INLINE size_t push_stretch(const struct flavour f, bool inner,
+                                  const struct rk_grains *grains, const struct rk_contact_law *law,
+                                  const struct rk_close *close, size_t begin, size_t end) {
+    _Alignas(RK_CACHE_LINE) double rows[4 * LANES];
+    size_t touching = 0;
+    struct view view, next;
+    if (begin < end) {
+        next = measure(f, grains, close, begin);
+    }
+    for (size_t c = begin; c < end; c += LANES) {
+        view = next;
+        next = measure(f, grains, close, c + LANES < end ? c + LANES : c);
+        decide(f, grains, law, close, c, &view, rows);
+        give(f.tangent != RK_SMOOTH, inner, grains->force, rows, close, c);
+        touching += lanes_tally(view.touch);
+    }
+    return touching;
+}
+
+/* Ghosts, pairs of this thread's grains, and those that may have a grain of another thread: in
+ * their order. */
 static INLINE void push(const struct flavour f, struct rk_grains *grains,
                         const struct rk_contact_law *law, struct rk_close *list) {
     const struct rk_close close = *list; /* nothing that is stored can change these */
     const struct rk_grains g = *grains;
-    _Alignas(RK_CACHE_LINE) double rows[4 * LANES];
-    size_t touching = 0;
-    struct view view, next;
-    if (close.end > 0) {
-        next = measure(f, &g, &close, 0);
+    const size_t bounds[] = {0, close.own, close.crossing, close.end};
+    list->touching = 0;
+    for (int k = 0; k < 3; k++) {
+        if (k == 1) {
+            list->touching += push_stretch(f, true, &g, law, &close, bounds[1], bounds[2]);
+        } else {
+            size_t touching = push_stretch(f, false, &g, law, &close, bounds[k], bounds[k + 1]);
+            list->touching += k == 0 ? 0 : touching;
+        }
     }
-    for (size_t c = 0; c < close.end; c += LANES) {
-        view = next;
-        next = measure(f, &g, &close, c + LANES < close.end ? c + LANES : c);
-        decide(f, &g, law, &close, c, &view, rows);
-        give(f.tangent != RK_SMOOTH, g.force, rows, &close, c);
-        touching += c >= close.own ? lanes_tally(view.touch) : 0;
-    }
-    list->touching = touching;
 }
 
 /* The same at walls, with the wall as an infinitely large and heavy partner. */
@@ -282,6 +304,6 @@ static INLINE void press(const struct flavour f, struct rk_grains *grains,
         }
         lanes_store(touching->history[RK_HISTORY_FT] + c, a.ft);
         lanes_store(touching->history[RK_HISTORY_MOMENT] + c, a.moment);
-        lanes_store_rows(touching->force + RK_FORCE_WIDTH * c, fx, fy, turn, none);
+        lanes_store_rows(touching->force + RK_ROW_WIDTH * c, fx, fy, turn, none);
     }
 }

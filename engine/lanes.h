@@ -53,6 +53,17 @@ LANES_INLINE lanes lanes_gather(const double *at, const uint32_t *index) {
 #endif
 }
 
+/* at[row[0]/4], at[row[1]/4], ...: a number of each of the grains whose rows of four these are. */
+LANES_INLINE lanes lanes_gather_beside(const double *at, const uint32_t *row) {
+#ifdef RK_LANES_512
+    return (lanes)_mm512_i32gather_pd(_mm256_loadu_si256((const __m256i *)row), at, 2);
+#elif defined(RK_LANES_256)
+    return (lanes){at[row[0] / 4], at[row[1] / 4], at[row[2] / 4], at[row[3] / 4]};
+#else
+    return (lanes){at[row[0] / 4], at[row[1] / 4]};
+#endif
+}
+
 LANES_INLINE lanes lanes_root(lanes a) {
 #if defined(RK_LANES_512)
     return (lanes)_mm512_sqrt_pd((__m512d)a);
@@ -131,43 +142,70 @@ LANES_INLINE lanes lanes_larger(lanes a, lanes b) {
 
 /* ---- Rows of four and of two ----------------------------------------------------------------- */
 
-/* Columns a, b, c, d of the rows at + 4 row[0], at + 4 row[1], ...: each a load of its own. */
-LANES_INLINE void lanes_gather_rows(const double *at, const uint32_t *row, lanes *a, lanes *b,
-                                    lanes *c, lanes *d) {
 #if defined(RK_LANES_512)
-#define ROWS(k)                                                                                    \
-    _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd(at + 4 * (size_t)row[k])),            \
-                       _mm256_load_pd(at + 4 * (size_t)row[(k) + 4]), 1)
+#define ROWS(at, row, k)                                                                           \
+    _mm512_insertf64x4(_mm512_castpd256_pd512(_mm256_load_pd((at) + (row)[k])),                    \
+                       _mm256_load_pd((at) + (row)[(k) + 4]), 1)
+typedef __m512d lanes_rows; /* rows k and k + 4 */
+#elif defined(RK_LANES_256)
+#define ROWS(at, row, k) _mm256_load_pd((at) + (row)[k])
+typedef __m256d lanes_rows; /* row k */
+#else
+#define ROWS(at, row, k) (((const pair *)((at) + (row)[(k) / 2]))[(k) % 2])
+typedef pair lanes_rows; /* half of row k/2 */
+#endif
+
+enum { LANES_ROWS = 4 }; /* registers that LANES rows take */
+
+/* Rows into columns. */
+LANES_INLINE void lanes_columns(const lanes_rows r[LANES_ROWS], lanes *a, lanes *b, lanes *c,
+                                lanes *d) {
+#if defined(RK_LANES_512)
     const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
     const __m512i high = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
-    __m512d r0 = ROWS(0), r1 = ROWS(1), r2 = ROWS(2), r3 = ROWS(3);
-    __m512d ac01 = _mm512_unpacklo_pd(r0, r1), ac23 = _mm512_unpacklo_pd(r2, r3);
-    __m512d bd01 = _mm512_unpackhi_pd(r0, r1), bd23 = _mm512_unpackhi_pd(r2, r3);
+    __m512d ac01 = _mm512_unpacklo_pd(r[0], r[1]), ac23 = _mm512_unpacklo_pd(r[2], r[3]);
+    __m512d bd01 = _mm512_unpackhi_pd(r[0], r[1]), bd23 = _mm512_unpackhi_pd(r[2], r[3]);
     *a = (lanes)_mm512_permutex2var_pd(ac01, low, ac23);
     *b = (lanes)_mm512_permutex2var_pd(bd01, low, bd23);
     *c = (lanes)_mm512_permutex2var_pd(ac01, high, ac23);
     *d = (lanes)_mm512_permutex2var_pd(bd01, high, bd23);
-#undef ROWS
 #elif defined(RK_LANES_256)
-    __m256d r0 = _mm256_load_pd(at + 4 * (size_t)row[0]);
-    __m256d r1 = _mm256_load_pd(at + 4 * (size_t)row[1]);
-    __m256d r2 = _mm256_load_pd(at + 4 * (size_t)row[2]);
-    __m256d r3 = _mm256_load_pd(at + 4 * (size_t)row[3]);
-    __m256d ac01 = _mm256_unpacklo_pd(r0, r1), ac23 = _mm256_unpacklo_pd(r2, r3);
-    __m256d bd01 = _mm256_unpackhi_pd(r0, r1), bd23 = _mm256_unpackhi_pd(r2, r3);
+    __m256d ac01 = _mm256_unpacklo_pd(r[0], r[1]), ac23 = _mm256_unpacklo_pd(r[2], r[3]);
+    __m256d bd01 = _mm256_unpackhi_pd(r[0], r[1]), bd23 = _mm256_unpackhi_pd(r[2], r[3]);
     *a = (lanes)_mm256_permute2f128_pd(ac01, ac23, 0x20);
     *b = (lanes)_mm256_permute2f128_pd(bd01, bd23, 0x20);
     *c = (lanes)_mm256_permute2f128_pd(ac01, ac23, 0x31);
     *d = (lanes)_mm256_permute2f128_pd(bd01, bd23, 0x31);
 #else
-    const pair *p = (const pair *)(at + 4 * (size_t)row[0]);
-    const pair *q = (const pair *)(at + 4 * (size_t)row[1]);
-    *a = __builtin_shuffle(p[0], q[0], (pair_index){0, 2});
-    *b = __builtin_shuffle(p[0], q[0], (pair_index){1, 3});
-    *c = __builtin_shuffle(p[1], q[1], (pair_index){0, 2});
-    *d = __builtin_shuffle(p[1], q[1], (pair_index){1, 3});
+    *a = __builtin_shuffle(r[0], r[2], (pair_index){0, 2});
+    *b = __builtin_shuffle(r[0], r[2], (pair_index){1, 3});
+    *c = __builtin_shuffle(r[1], r[3], (pair_index){0, 2});
+    *d = __builtin_shuffle(r[1], r[3], (pair_index){1, 3});
 #endif
 }
+
+/* Columns a, b, c, d of what the rows at + to[0], at + to[1], ... have more than those at +
+ * from[0], ... */
+LANES_INLINE void lanes_row_differences(const double *at, const uint32_t *from, const uint32_t *to,
+                                        lanes *a, lanes *b, lanes *c, lanes *d) {
+    lanes_rows r[LANES_ROWS];
+    for (int k = 0; k < LANES_ROWS; k++) {
+        r[k] = ROWS(at, to, k) - ROWS(at, from, k);
+    }
+    lanes_columns(r, a, b, c, d);
+}
+
+/* The first three of the four columns of consecutive rows of four. */
+LANES_INLINE void lanes_load_rows(const double *at, lanes *a, lanes *b, lanes *c) {
+    static const uint32_t in_order[] = {0, 4, 8, 12, 16, 20, 24, 28};
+    lanes_rows r[LANES_ROWS];
+    lanes d;
+    for (int k = 0; k < LANES_ROWS; k++) {
+        r[k] = ROWS(at, in_order, k);
+    }
+    lanes_columns(r, a, b, c, &d);
+}
+#undef ROWS
 
 /* Consecutive rows at[4 l] .. at[4 l + 3] = a[l], b[l], c[l], d[l]. */
 LANES_INLINE void lanes_store_rows(double *at, lanes a, lanes b, lanes c, lanes d) {
@@ -208,11 +246,27 @@ LANES_INLINE void lanes_store_rows(double *at, lanes a, lanes b, lanes c, lanes 
 #endif
 }
 
-/* The first three of the four columns of consecutive rows of four. */
-LANES_INLINE void lanes_load_rows(const double *at, lanes *a, lanes *b, lanes *c) {
-    static const uint32_t in_order[] = {0, 1, 2, 3, 4, 5, 6, 7};
-    lanes d;
-    lanes_gather_rows(at, in_order, a, b, c, &d);
+typedef long long lanes_index __attribute__((vector_size(8 * LANES)));
+
+/* Consecutive pairs at[2 l], at[2 l + 1] = a[l], b[l], and back. */
+LANES_INLINE void lanes_store_pairs(double *at, lanes a, lanes b) {
+    lanes_index low, high;
+    for (int l = 0; l < LANES; l++) {
+        low[l] = l / 2 + l % 2 * LANES;
+        high[l] = low[l] + LANES / 2;
+    }
+    lanes_store(at, __builtin_shuffle(a, b, low));
+    lanes_store(at + LANES, __builtin_shuffle(a, b, high));
+}
+
+LANES_INLINE void lanes_load_pairs(const double *at, lanes *a, lanes *b) {
+    lanes low = lanes_load(at), high = lanes_load(at + LANES);
+    lanes_index even;
+    for (int l = 0; l < LANES; l++) {
+        even[l] = 2 * l;
+    }
+    *a = __builtin_shuffle(low, high, even);
+    *b = __builtin_shuffle(low, high, even + 1);
 }
 
 /* Rows of two, a[l] and b[l] at at + lanes_row_of_two(l): not in order, but in two stores. */

@@ -120,7 +120,7 @@ static void book_walls(const struct rk_scene *scene, const struct rk_contact_law
         size_t i = t->grain[c], row = t->wall[c];
         double nx = t->nx[c], ny = t->ny[c];
         double ux = t->vx[c] - g->vx[i], uy = t->vy[c] - g->vy[i];
-        const double *force = t->force + RK_FORCE_WIDTH * c;
+        const double *force = t->force + RK_ROW_WIDTH * c;
         struct moment m = {
             .fn = t->fn[c], .ft = t->history[RK_HISTORY_FT][c], .rate = -(ux * nx + uy * ny)};
         m.elastic = elastic_force(law, pair_of(law, material_of(g, i), t->material[c]),

@@ -244,12 +244,12 @@ size_t rk_scene_memory(const struct rk_scene *scene) {
         known += rk_scene_knows(scene, h) ? real : 0;
     }
     /* tag, index_of, cell_of, in_cell and row_start of each grain */
-    size_t grain = (9 + RK_FORCE_WIDTH + RK_MOTION_WIDTH) * real + 5 * index;
+    size_t grain = (9 + RK_ROW_WIDTH + rk_force_width(&scene->grains)) * real + 5 * index;
     grain += scene->has[RK_IF_ROTATES] ? 4 * real : 0;
     grain += scene->has[RK_IF_MIXED] ? index : 0;
     grain += scene->has[RK_IF_GROWS] ? 2 * index + 2 * real : 0;
     grain += scene->has[RK_IF_GROUPS] ? 2 * index + 3 * real : 0;
-    grain += scene->has[RK_IF_IMPLICIT] ? (1 + RK_FORCE_WIDTH) * real : 0;
+    grain += scene->has[RK_IF_IMPLICIT] ? (1 + RK_ROW_WIDTH) * real : 0;
     grain += scene->has[RK_IF_DERIVED] ? 4 * real : 0;
     grain += scene->has[RK_IF_DERIVED_TURN] ? 2 * real : 0;
     /* first, second, reach of a pair; those, the pair and two radii of a close one; first, second,
@@ -258,7 +258,7 @@ size_t rk_scene_memory(const struct rk_scene *scene) {
     size_t close = 2 * index + real + known + (scene->close.pair ? index : 0);
     close += (scene->close.shift ? real : 0) + (scene->close.radius_first ? 2 * real : 0);
     close += 2 * index + 3 * real + known;
-    size_t touch = 3 * index + (8 + RK_HISTORIES + RK_FORCE_WIDTH) * real;
+    size_t touch = 3 * index + (8 + RK_HISTORIES + RK_ROW_WIDTH) * real;
     size_t bytes = sizeof *scene + grain * scene->grains.capacity + pair * scene->pairs.capacity +
                    close * scene->close_capacity + near->large_capacity * index +
                    2 * near->cell_capacity * index +

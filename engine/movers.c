@@ -90,11 +90,9 @@ static void move(const struct rk_scene *scene, size_t row, struct rk_mover *move
 
 void rk_scene_pose(struct rk_scene *scene, double t) {
     rk_gravity_at(&scene->spec.pull, t, scene->spec.dt, scene->gravity);
-    for (size_t row = 0; row < rk_mover_rows(scene); row++) {
-        struct rk_mover *mover = rk_mover_at(scene, row);
-        if (mover) {
-            move(scene, row, mover, t);
-        }
+    for (size_t row = rk_mover_from(scene, 0); row < rk_mover_rows(scene);
+         row = rk_mover_from(scene, row + 1)) {
+        move(scene, row, rk_mover_at(scene, row), t);
     }
     rk_walls_place(scene);
     if (scene->has[RK_IF_GROUPS]) {
@@ -123,7 +121,7 @@ static double mean_kinetic(const struct rk_scene *scene) {
 static const struct rk_drive *load_of(const struct rk_scene *scene, size_t row,
                                       const struct rk_mover *mover, struct rk_lid *lid,
                                       struct rk_lid_load *load) {
-    if (!mover || !rk_drive_of(&mover->drive)->predict) {
+    if (!rk_drive_of(&mover->drive)->predict) {
         return NULL;
     }
     const double *e = mover->drive.direction;
@@ -142,7 +140,8 @@ static void keep(struct rk_lids *lids, size_t row, const struct rk_lid *lid) {
 }
 
 void rk_lids_predict(struct rk_scene *scene) {
-    for (size_t row = 0; row < rk_mover_rows(scene); row++) {
+    for (size_t row = rk_mover_from(scene, 0); row < rk_mover_rows(scene);
+         row = rk_mover_from(scene, row + 1)) {
         const struct rk_mover *mover = rk_mover_at(scene, row);
         struct rk_lid lid;
         struct rk_lid_load load;
@@ -157,7 +156,8 @@ void rk_lids_predict(struct rk_scene *scene) {
 }
 
 void rk_lids_correct(struct rk_scene *scene, double dt) {
-    for (size_t row = 0; row < rk_mover_rows(scene); row++) {
+    for (size_t row = rk_mover_from(scene, 0); row < rk_mover_rows(scene);
+         row = rk_mover_from(scene, row + 1)) {
         struct rk_mover *mover = rk_mover_at(scene, row);
         struct rk_lid lid;
         struct rk_lid_load load;

@@ -22,6 +22,15 @@ static inline struct rk_mover *rk_mover_at(const struct rk_scene *scene, size_t 
     return group < scene->group_count ? &scene->groups[group].mover : NULL;
 }
 
+/* The first mover there is in this row or a later one; rk_mover_rows behind the last. */
+static inline size_t rk_mover_from(const struct rk_scene *scene, size_t row) {
+    const size_t walls = scene->spec.walls;
+    if (row >= scene->wall_count && row < walls) {
+        row = walls;
+    }
+    return row < walls + scene->group_count ? row : rk_mover_rows(scene);
+}
+
 /* Give a mover its drive, or another one; a lid keeps its place under another lid's drive.
  * RK_EINVALID with what is wrong. */
 enum rk_status rk_mover_set_drive(struct rk_scene *scene, size_t row, struct rk_mover *mover,

@@ -324,9 +324,26 @@ static void measure_extremes(struct rk_scene *scene) {
     near->largest = second > 0 ? most + second : 0;
 }
 
+/* Pairs are numbered with 32 bits. */
+static enum rk_status check_pairs(const struct rk_scene *scene, struct rk_error *err) {
+    const double n = (double)scene->grains.count, pairs = 0.5 * n * (n - 1);
+    if (method_of(scene)->list || pairs < UINT32_MAX) {
+        return RK_OK;
+    }
+    return rk_fail(
+        err, RK_EINVALID,
+        "all pairs of %.0f grains are %.3g, more than can be numbered (%.3g); take cells "
+        "or verlet as neighbour method",
+        n, pairs, (double)UINT32_MAX);
+}
+
 enum rk_status rk_neighbours_prepare(struct rk_scene *scene, struct rk_error *err) {
     struct rk_neighbours *near = &scene->neighbours;
     size_t n = scene->grains.count;
+    enum rk_status status = check_pairs(scene, err);
+    if (status) {
+        return status;
+    }
     double *radii = rk_array_create(n, sizeof *radii);
     if (!radii) {
         return rk_fail(err, RK_EMEMORY, "no memory for %zu radii", n);

@@ -14,11 +14,9 @@
  * every vector width, and what lies behind their last entry is read but never used. */
 enum { RK_BLOCK = 8 };
 
-/* Sums over contacts of a grain: fx, fy, torque, and one double to fill half a cache line. */
-enum { RK_FORCE_WIDTH = 4 };
-
-/* x, y, vx, vy of a grain, which one load brings. */
-enum { RK_MOTION_WIDTH = 4 };
+/* What forces need of a grain, and what they add up to, are rows of half a cache line: x, y, vx,
+ * vy; fx, fy, torque and one unused. Where nothing rotates the sums are pairs: fx, fy. */
+enum { RK_ROW_WIDTH = 4, RK_PAIR_WIDTH = 2 };
 
 /* What a contact has: the tangential force where there is friction, the rolling moment where there
  * is rolling resistance, the normal force. It remembers while it lives those that its law needs:
@@ -58,11 +56,16 @@ struct rk_grains {
     uint32_t *growth;   /* 0, or 1 + the number of its growth; NULL where none grows */
     double *density;    /* m = density R^2 (disc) or R^3 (sphere); likewise */
     double *home_x, *home_y, *home_angle; /* where the group's frame has it */
-    double *force;                        /* [capacity][RK_FORCE_WIDTH], scratch of a step */
-    double *motion; /* [capacity][RK_MOTION_WIDTH], what the forces were evaluated with */
+    double *force;                        /* [capacity][rk_force_width()], scratch of a step */
+    double *motion; /* [capacity][RK_ROW_WIDTH], what the forces were evaluated with */
     double *ease;   /* how easily its contacts move a grain, scratch of an implicit step; or NULL */
-    double *spread; /* [capacity][RK_FORCE_WIDTH], scratch for that */
+    double *spread; /* [capacity][RK_ROW_WIDTH], scratch for that */
 };
+
+/* Of a row of grains->force. */
+static inline size_t rk_force_width(const struct rk_grains *grains) {
+    return grains->omega ? RK_ROW_WIDTH : RK_PAIR_WIDTH;
+}
 
 /* Neighbour pairs in the order of (first, second), first < second. */
 struct rk_pairs {
@@ -77,14 +80,14 @@ struct rk_pairs {
  * grain is its own before them ("ghosts": both threads work them out, each for its own grain).
  * engine/close.h */
 struct rk_close {
-    size_t ghosts;   /* from 0 on, and filled up to `own` */
-    size_t own;      /* from here to `end`; a multiple of RK_BLOCK */
-    size_t crossing; /* from here on the second grain may be another thread's; likewise */
-    size_t end;      /* filled up behind that */
-    size_t last;     /* the thread's grains are before this one */
-    size_t touching; /* its own ones of the last step */
-    uint32_t *first, *second;
-    uint32_t *pair; /* NULL where nothing is remembered */
+    size_t ghosts;            /* from 0 on, and filled up to `own` */
+    size_t own;               /* from here to `end`; a multiple of RK_BLOCK */
+    size_t crossing;          /* from here on the second grain may be another thread's; likewise */
+    size_t end;               /* filled up behind that */
+    size_t last;              /* the rows of the thread's grains are before this */
+    size_t touching;          /* its own ones of the last step */
+    uint32_t *first, *second; /* where their rows begin: RK_ROW_WIDTH times the grain */
+    uint32_t *pair;           /* NULL where nothing is remembered */
     double *shift, *reach;
     double *radius_first, *radius_second; /* NULL where no law needs them */
     double *history[RK_HISTORIES];        /* of the last step, 0 if not touching */
@@ -224,7 +227,7 @@ struct rk_wall_touching {
     double *fn;
     size_t histories;
     double *history[RK_HISTORIES];
-    double *force; /* [capacity][RK_FORCE_WIDTH]: on the wall fx, fy; torque on the grain */
+    double *force; /* [capacity][RK_ROW_WIDTH]: on the wall fx, fy; torque on the grain */
 };
 
 /* The energy ledger's rows, engine/ledger.h. */

@@ -118,15 +118,20 @@ struct motion {
     double dt;
 };
 
+/* The grains that thread t moves begin with this one: whole blocks. */
+static size_t moved_from(const struct rk_scene *scene, size_t t) {
+    size_t n = scene->grains.count, blocks = (n + RK_BLOCK - 1) / RK_BLOCK;
+    size_t begin = blocks * t / scene->share_count * RK_BLOCK;
+    return begin < n ? begin : n;
+}
+
 static void move_share(struct rk_scene *scene, size_t t, const void *data) {
     const struct motion *motion = data;
     const struct rk_kernel *kernel = scene->kernel;
     const double *gravity = scene->gravity, dt = motion->dt;
+    const size_t begin = moved_from(scene, t), end = moved_from(scene, t + 1);
     struct rk_grains *g = &scene->grains;
-    size_t blocks = (g->count + RK_BLOCK - 1) / RK_BLOCK, threads = scene->share_count;
-    size_t begin = blocks * t / threads * RK_BLOCK, end = blocks * (t + 1) / threads * RK_BLOCK;
     struct rk_bounds *moved = &scene->shares[t].moved;
-    end = end < g->count ? end : g->count;
     if (motion->pass == PREDICT) {
         kernel->predict[motion->scheme](g, begin, end, dt, gravity, moved);
     } else if (motion->pass == CORRECT) {
@@ -155,6 +160,16 @@ struct rk_bounds rk_shares_advance(struct rk_scene *scene, enum rk_scheme scheme
     return move(scene, ADVANCE, scheme, scene->spec.dt);
 }
 
+static void lay_out(struct rk_scene *scene, size_t t, const void *data) {
+    (void)data;
+    scene->kernel->ready(&scene->grains, moved_from(scene, t), moved_from(scene, t + 1),
+                         scene->gravity);
+}
+
+void rk_shares_lay_out(struct rk_scene *scene) {
+    rk_shares_run(scene, (rk_share_work *const[]){lay_out}, 1, NULL);
+}
+
 static void return_histories(struct rk_scene *scene, size_t t, const void *data) {
     (void)data;
     rk_close_return(scene, t);
@@ -180,7 +195,7 @@ void rk_shares_pick(struct rk_scene *scene) {
 }
 
 void rk_shares_touch(struct rk_scene *scene) {
-    scene->kernel->ready(&scene->grains, 0, scene->grains.count, scene->gravity);
+    rk_shares_lay_out(scene);
     rk_shares_pick(scene);
     scene->scattered = true;
     rk_shares_gather(scene);

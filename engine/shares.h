@@ -44,6 +44,10 @@ struct rk_bounds rk_shares_correct(struct rk_scene *scene, enum rk_scheme scheme
 /* Correct, and predict the next step, in one pass: where the kernel has it for this scheme. */
 struct rk_bounds rk_shares_advance(struct rk_scene *scene, enum rk_scheme scheme);
 
+/* What the forces begin with, for places, velocities, masses and gravity as they are: the layout of
+ * kernel->ready. */
+void rk_shares_lay_out(struct rk_scene *scene);
+
 /* Pick the close pairs anew. */
 void rk_shares_pick(struct rk_scene *scene);
 

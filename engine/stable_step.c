@@ -95,7 +95,7 @@ static size_t contacts_of(const struct rk_scene *scene, size_t row) {
  */
 static double lid_limit(const struct rk_scene *scene, size_t row, const struct bond *bond) {
     const struct rk_mover *mover = rk_mover_at(scene, row);
-    if (!mover || !rk_drive_of(&mover->drive)->inert) {
+    if (!rk_drive_of(&mover->drive)->inert) {
         return INFINITY;
     }
     const struct rk_piece *integrator = scene->spec.accuracy.integrator;
@@ -121,7 +121,8 @@ double rk_scene_stable_step(const struct rk_scene *scene) {
                                             inertia, spec->smallest));
         }
     }
-    for (size_t row = 0; stiffest.stiffness > 0 && row < rk_mover_rows(scene); row++) {
+    for (size_t row = rk_mover_from(scene, 0); stiffest.stiffness > 0 && row < rk_mover_rows(scene);
+         row = rk_mover_from(scene, row + 1)) {
         limit = fmin(limit, lid_limit(scene, row, &stiffest));
     }
     return limit;

@@ -29,7 +29,7 @@ static enum rk_status reserve_contacts(struct rk_scene *scene, struct rk_error *
     size_t capacity = most + most / 2 + 64, room = capacity + RK_BLOCK;
     double **const arrays[] = {&t->nx, &t->ny,    &t->overlap, &t->vx,
                                &t->vy, &t->omega, &t->rough,   &t->fn};
-    bool had = replace(&t->force, RK_FORCE_WIDTH * room);
+    bool had = replace(&t->force, RK_ROW_WIDTH * room);
     for (size_t a = 0; a < sizeof arrays / sizeof *arrays; a++) {
         had = replace(arrays[a], room) && had;
     }
@@ -204,13 +204,16 @@ static void fill_up(struct rk_wall_touching *t) {
 /* Forces go to the grains and to the walls, and what contacts remember back to the lists. */
 static void give(struct rk_scene *scene) {
     struct rk_wall_touching *t = &scene->wall_touching;
+    const size_t width = rk_force_width(&scene->grains);
     for (size_t c = 0; c < t->count; c++) {
         struct rk_wall *wall = &scene->walls[t->wall[c]];
-        const double *force = t->force + RK_FORCE_WIDTH * c;
-        double *total = scene->grains.force + RK_FORCE_WIDTH * (size_t)t->grain[c];
+        const double *force = t->force + RK_ROW_WIDTH * c;
+        double *total = scene->grains.force + width * t->grain[c];
         total[0] -= force[0];
         total[1] -= force[1];
-        total[2] += force[2];
+        if (width == RK_ROW_WIDTH) {
+            total[2] += force[2];
+        }
         wall->mover.force[0] += force[0];
         wall->mover.force[1] += force[1];
         for (size_t h = 0; h < t->histories; h++) {
@@ -295,7 +298,7 @@ struct rk_wall_turn rk_scene_wall_turn(const struct rk_scene *scene, size_t wall
         if (t->wall[c] != wall) {
             continue;
         }
-        const double *force = t->force + RK_FORCE_WIDTH * c;
+        const double *force = t->force + RK_ROW_WIDTH * c;
         uint32_t i = t->grain[c];
         double x = rk_wall_image(scene, body, &body->primitives[t->primitive[c]], g->x[i]);
         double distance = g->radius[i] - t->overlap[c];

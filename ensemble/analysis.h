@@ -9,7 +9,7 @@
 
 #include "base/param.h"
 
-extern const struct rk_registry rk_analysis_registry; /* rise, ldf, pdf, relax, surface */
+extern const struct rk_registry rk_analysis_registry; /* rise, ldf, pdf, .. */
 
 struct rk_analysis {
     struct rk_piece piece;

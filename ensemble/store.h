@@ -78,6 +78,7 @@ struct rk_observable {
     double *values;
     size_t samples;
     double interval;
+    uint64_t samples_per_period; /* of the drive; 0 where the file does not say */
 };
 /* `name` is "probe.column", "intruder.height". RK_EIO: no such file; RK_EFORMAT: damaged, or
  * of another study;

@@ -181,7 +181,7 @@ enum rk_status rk_correlation_of(struct rk_correlation *out, const double *x, co
     double mean, scale, sum = NAN;
     if (longest < FEWEST) {
         return rk_fail(err, RK_EREFUSED,
-                       "a correlation time needs a series of at least %d samples; the longest has "
+                       "a correlation time needs a series of at least %d values; the longest has "
                        "%zu",
                        (int)FEWEST, longest);
     }
@@ -204,7 +204,7 @@ enum rk_status rk_correlation_of(struct rk_correlation *out, const double *x, co
         if (status == RK_OK && window == 0 && lags == most) {
             status = rk_fail(err, RK_EREFUSED,
                              "the series is too short to see its own correlation decay within half "
-                             "of its %zu samples",
+                             "of its %zu values",
                              longest);
         }
         lags = lags < most / 4 ? 4 * lags : most;

@@ -40,11 +40,14 @@ static enum rk_status sort_windows(uint64_t *sorted, const uint64_t *windows, si
 /* Forget the windows of replicas in which `longest` has none. */
 static enum rk_status drop_short_replicas(struct rk_windows *w, const struct rk_windows *longest,
                                           struct rk_error *err) {
-    enum rk_status status = rk_windows_own(w, err);
-    if (status != RK_OK) {
+    size_t filled = 0, dropped = 0;
+    for (size_t r = 0; r < w->replicas; r++) {
+        dropped += w->first[r + 1] > w->first[r] && longest->first[r + 1] == longest->first[r];
+    }
+    enum rk_status status = dropped > 0 ? rk_windows_own(w, err) : RK_OK;
+    if (status != RK_OK || dropped == 0) {
         return status;
     }
-    size_t filled = 0;
     for (size_t r = 0; r < w->replicas; r++) {
         size_t begin = w->first[r], count = w->first[r + 1] - begin;
         w->first[r] = filled;

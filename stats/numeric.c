@@ -87,8 +87,10 @@ static double interpolate(const double *sorted, size_t count, double h) {
         return sorted[count - 1];
     }
     double t = fmax(h, 0) - (double)i;
-    /* Not a + t (b - a): b - a may overflow, and equal neighbours must give themselves. */
-    return sorted[i] == sorted[i + 1] ? sorted[i] : (1 - t) * sorted[i] + t * sorted[i + 1];
+    /* Not a + t (b - a): b - a may overflow, and equal neighbours, or a value that is met exactly
+     * beside an infinite one, must give themselves. */
+    return t == 0 || sorted[i] == sorted[i + 1] ? sorted[i]
+                                                : (1 - t) * sorted[i] + t * sorted[i + 1];
 }
 
 double rk_quantile(const double *sorted, size_t count, double p) {

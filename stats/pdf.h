@@ -112,6 +112,7 @@ struct rk_pdf {
     struct rk_pdf_fit fit[RK_PDF_FAMILIES];
     size_t samples, replicas, units;
     bool blocks;             /* the units are blocks of replicas */
+    bool counted;            /* the samples were counts in bins */
     double n_eff;            /* independent samples that the exponents rest on */
     double correlation_time; /* in samples; NaN when it was not needed */
     double vuong, vuong_p;   /* z of the difference of log-likelihoods (first minus second) over the
@@ -149,10 +150,12 @@ enum rk_status rk_pdf_fit_weighted(struct rk_pdf **out, const double *values, co
                                    const struct rk_stream *stream, struct rk_error *err);
 
 /* Counts of independent samples in bins [edge[i], edge[i+1]): maximum of the multinomial likelihood
- * by expectation maximisation, intervals from its curvature. `fit` gets one fit a family. */
-enum rk_status rk_pdf_fit_histogram(struct rk_pdf_fit fit[RK_PDF_FAMILIES], const double *edges,
-                                    const double *counts, size_t bins,
-                                    const struct rk_pdf_options *options, struct rk_error *err);
+ * by expectation maximisation, intervals from its curvature. Each count is a sample that is known
+ * to lie in its bin, so that Vuong's test is that of independent samples with the probabilities of
+ * the bins in place of densities. No samples are drawn to test the fits. */
+enum rk_status rk_pdf_fit_histogram(struct rk_pdf **out, const double *edges, const double *counts,
+                                    size_t bins, const struct rk_pdf_options *options,
+                                    struct rk_error *err);
 void rk_pdf_free(struct rk_pdf *pdf);
 
 #endif

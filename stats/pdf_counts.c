@@ -1,169 +1,11 @@
-/* Histograms: of the samples, for pictures and for the binned least squares of Martins A.4; and as
- * input, when the samples themselves are not there. */
+/* Fits of densities to counts in bins, when the samples themselves are not there. */
 #include "base/memory.h"
-#include "stats/least_squares.h"
 #include "stats/numeric.h"
 #include "stats/pdf_internal.h"
 
 #include <gsl/gsl_cdf.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { FEWEST_BINS = 10, MOST_BINS = 200 };
-
-/* ---- Of the samples ------------------------------------------------------------------------ */
-
-struct grid {
-    double low, width; /* in the frame */
-    size_t bins;
-};
-
-static size_t bin_of(const struct grid *grid, double z) {
-    double at = (z - grid->low) / grid->width;
-    return at >= 0 && at < (double)grid->bins ? (size_t)at : grid->bins;
-}
-
-/* As far out as the data go, up to 16 units: what lies beyond would leave all else in one bin. */
-static struct grid choose_grid(const struct rk_pdf_source *source,
-                               const struct rk_pdf_frame *frame) {
-    enum { FAR = 16 };
-    double low = INFINITY, high = -INFINITY;
-    for (size_t s = 0; s < source->segments; s++) {
-        for (size_t i = 0; i < source->segment[s].count; i++) {
-            double z = rk_pdf_into(frame, source->segment[s].x[i]);
-            low = fmin(low, z);
-            high = fmax(high, z);
-        }
-    }
-    low = frame->side == RK_PDF_BOTH ? fmax(low, -FAR) : 0;
-    high = fmin(high, FAR);
-    double bins = fmin(fmax(ceil(2 * cbrt((double)source->samples)), FEWEST_BINS), MOST_BINS);
-    /* So much wider that the largest sample lies inside the last bin. */
-    return (struct grid){low, (high - low) / bins * (1 + 1e-9), (size_t)bins};
-}
-
-/* One unit's counts, and what they add to the scatter about their share of the whole. */
-static void add_unit(double *row, const struct grid *grid, const struct rk_pdf_source *source,
-                     size_t s, const struct rk_pdf_frame *frame) {
-    memset(row, 0, (grid->bins + 1) * sizeof *row);
-    for (size_t i = 0; i < source->segment[s].count; i++) {
-        double z = rk_pdf_into(frame, source->segment[s].x[i]);
-        if (!isnan(z)) {
-            row[bin_of(grid, z)] += rk_pdf_weight(source, i);
-        }
-    }
-}
-
-static void fill_density(struct rk_pdf *pdf, const struct grid *grid, double total,
-                         const struct rk_pdf_frame *frame) {
-    double units = (double)pdf->units;
-    for (size_t b = 0; b < grid->bins; b++) {
-        double per = 1 / (total * grid->width * frame->unit), poisson = pdf->count[b];
-        double scatter = pdf->error[b] * units / (units - 1);
-        pdf->density[b] = pdf->count[b] * per;
-        pdf->error[b] = sqrt(fmax(scatter, poisson)) * per;
-    }
-}
-
-enum rk_status rk_pdf_histogram(struct rk_pdf *pdf, const struct rk_pdf_source *source,
-                                const struct rk_pdf_frame *frame, struct rk_error *err) {
-    struct grid grid = choose_grid(source, frame);
-    pdf->bins = grid.bins;
-    pdf->edge = rk_array_create(grid.bins + 1, sizeof(double));
-    pdf->count = rk_array_create(grid.bins + 1, sizeof(double));
-    pdf->density = rk_array_create(grid.bins, sizeof(double));
-    pdf->error = rk_array_create(grid.bins + 1, sizeof(double));
-    double *row = rk_array_create(grid.bins + 1, sizeof *row);
-    if (!pdf->edge || !pdf->count || !pdf->density || !pdf->error || !row) {
-        free(row);
-        return rk_fail(err, RK_EMEMORY, "no memory for a histogram");
-    }
-    double all = 0, total = 0;
-    for (int pass = 0; pass < 2; pass++) {
-        for (size_t s = 0; s < source->segments; s++) {
-            add_unit(row, &grid, source, s, frame);
-            double share = (double)source->segment[s].count / (double)source->samples;
-            for (size_t b = 0; b <= grid.bins; b++) {
-                double d = row[b] - share * pdf->count[b];
-                pdf->count[b] += pass == 0 ? row[b] : 0;
-                pdf->error[b] += pass == 0 ? 0 : d * d;
-            }
-        }
-    }
-    for (size_t b = 0; b <= grid.bins; b++) {
-        total += pdf->count[b];
-    }
-    for (size_t i = 0; i < source->samples && source->weights; i++) {
-        all += rk_pdf_weight(source, i);
-    }
-    pdf->share = total / (source->weights ? all : (double)source->samples);
-    pdf->outside = pdf->count[grid.bins];
-    double sign = frame->side == RK_PDF_LEFT ? -1 : 1;
-    for (size_t b = 0; b <= grid.bins; b++) {
-        double z = grid.low + (double)b * grid.width;
-        pdf->edge[b] = frame->centre + sign * z * frame->unit;
-    }
-    fill_density(pdf, &grid, total, frame);
-    free(row);
-    return RK_OK;
-}
-
-/* ---- Least squares ------------------------------------------------------------------------- */
-
-struct amplitude_model {
-    const struct rk_pdf_family *family;
-    double unit; /* of x */
-    double origin;
-    bool fixed;
-};
-
-/* theta = amplitude, ln scale, shape, location; an exponent beyond the range counts as its end. */
-static double amplitude_density(double x, const double *theta, double *gradient,
-                                const void *context) {
-    const struct amplitude_model *m = context;
-    struct rk_pdf_curve curve = {m->family, m->fixed ? 0 : theta[3], exp(theta[1]),
-                                 fmin(fmax(theta[2], m->family->low), m->family->high)};
-    struct rk_pdf_sums sums = m->family->methods->sums(&x, NULL, 1, &curve);
-    double f = exp(sums.log_density);
-    bool some = f > 0;
-    gradient[0] = f;
-    gradient[1] = some ? theta[0] * f * sums.log_scale : 0;
-    gradient[2] = some && curve.shape == theta[2] ? theta[0] * f * sums.shape : 0;
-    if (!m->fixed) {
-        gradient[3] = some ? theta[0] * f * sums.location : 0;
-    }
-    return theta[0] * f;
-}
-
-void rk_pdf_squares(struct rk_pdf *pdf, size_t family) {
-    struct rk_pdf_fit *fit = &pdf->fit[family];
-    bool half = pdf->edge[1] < pdf->edge[0] || pdf->edge[0] == fit->location.estimate;
-    double x[MOST_BINS], y[MOST_BINS], unit = fit->scale.estimate, sign = 1;
-    sign = pdf->edge[1] < pdf->edge[0] ? -1 : 1;
-    for (size_t b = 0; b < pdf->bins; b++) {
-        double middle = 0.5 * pdf->edge[b] + 0.5 * pdf->edge[b + 1];
-        x[b] = sign * (middle - fit->location.estimate) / unit;
-        y[b] = pdf->density[b] * unit;
-    }
-    struct amplitude_model model = {.family = fit->family,
-                                    .fixed = half || isnan(fit->location.low)};
-    struct rk_least_squares problem = {.model = amplitude_density,
-                                       .context = &model,
-                                       .x = x,
-                                       .y = y,
-                                       .points = pdf->bins,
-                                       .params = model.fixed ? 3 : 4};
-    struct rk_least_squares_fit solution = {.theta = {half ? 2 : 1, 0, fit->shape.estimate, 0}};
-    if (rk_least_squares_solve(&problem, &solution, NULL) == RK_OK) {
-        double *theta = solution.theta, shape = theta[2];
-        bool inside = shape > fit->family->low && shape < fit->family->high;
-        fit->squares.shape = inside ? shape : (double)NAN;
-        fit->squares.scale = inside ? exp(theta[1]) * unit : (double)NAN;
-        fit->squares.location = fit->location.estimate + (model.fixed ? 0 : theta[3] * unit);
-    }
-}
-
-/* ---- As input ------------------------------------------------------------------------------ */
 
 struct counts {
     const double *edges, *counts;
@@ -222,11 +64,27 @@ static void spread_counts(struct counts *c, const struct rk_pdf_curve *curve) {
     }
 }
 
-/* Expectation maximisation until the likelihood stands still. */
-static void climb(struct counts *c, bool fixed, struct rk_pdf_curve *curve) {
+/* At first the samples of a bin are taken to lie evenly in it. */
+static void spread_evenly(struct counts *c) {
+    for (size_t i = 0; i < c->bins * NODES; i++) {
+        size_t bin = i / NODES;
+        double low = into(c, c->edges[bin]), high = into(c, c->edges[bin + 1]);
+        c->points.z[i] = low + node[i % NODES] * (high - low);
+        c->points.w[i] = c->counts[bin] * share[i % NODES];
+    }
+}
+
+/* Expectation maximisation until the likelihood stands still, with the shape that the curve has
+ * when it is `held`. Returns the height. */
+static double climb(struct counts *c, bool fixed, bool held, struct rk_pdf_curve *curve) {
     double height = -INFINITY;
+    spread_evenly(c);
     for (int round = 0; round < 500; round++) {
-        rk_pdf_maximise(&c->points, fixed, round > 0, curve);
+        if (held) {
+            rk_pdf_profile(&c->points, fixed, curve, NULL);
+        } else {
+            rk_pdf_maximise(&c->points, fixed, round > 0, curve);
+        }
         double next = counts_height(c, curve);
         if (next - height < 1e-9 && round > 2) {
             break;
@@ -234,6 +92,7 @@ static void climb(struct counts *c, bool fixed, struct rk_pdf_curve *curve) {
         height = next;
         spread_counts(c, curve);
     }
+    return counts_height(c, curve);
 }
 
 /* Wald intervals in (ln scale, shape), location apart, from second differences. */
@@ -273,15 +132,20 @@ static void counts_intervals(struct rk_pdf_fit *fit, const struct counts *c,
     }
 }
 
-static void fit_counts(struct rk_pdf_fit *fit, struct counts *c, bool fixed, double level) {
-    struct rk_pdf_curve best = {fit->family, 0, 1, fit->family->gaussian};
-    for (size_t b = 0; b < c->bins * NODES; b++) { /* at first evenly */
-        size_t bin = b / NODES;
-        double low = into(c, c->edges[bin]), high = into(c, c->edges[bin + 1]);
-        c->points.z[b] = low + node[b % NODES] * (high - low);
-        c->points.w[b] = c->counts[bin] * share[b % NODES];
+/* difference[b] gains `sign` times the logarithm of the probability of each bin. */
+static void add_logarithms(double *difference, double sign, const struct counts *c,
+                           const struct rk_pdf_curve *curve) {
+    for (size_t b = 0; b < c->bins; b++) {
+        difference[b] +=
+            sign * log(bin_probability(curve, into(c, c->edges[b]), into(c, c->edges[b + 1])));
     }
-    climb(c, fixed, &best);
+}
+
+static struct rk_pdf_curve fit_counts(struct rk_pdf_fit *fit, struct counts *c, bool fixed,
+                                      double level) {
+    struct rk_pdf_curve best = {fit->family, 0, 1, fit->family->gaussian}, gaussian = best;
+    fit->gaussian = climb(c, fixed, true, &gaussian);
+    climb(c, fixed, false, &best);
     struct rk_interval shape = {best.shape, NAN, NAN, c->total, level};
     fit->shape = fit->scale = fit->location = shape;
     fit->scale.estimate = best.scale * c->frame.unit;
@@ -291,6 +155,8 @@ static void fit_counts(struct rk_pdf_fit *fit, struct counts *c, bool fixed, dou
     counts_intervals(fit, c, &best, fixed, level);
     fit->aic = (fixed ? 4 : 6) - 2 * fit->log_likelihood;
     fit->bic = (fixed ? 2 : 3) * log(c->total) - 2 * fit->log_likelihood;
+    rk_pdf_fill_ratio(fit, 1);
+    return best;
 }
 
 static enum rk_status check_counts(struct counts *c, struct rk_error *err) {
@@ -314,50 +180,113 @@ static enum rk_status check_counts(struct counts *c, struct rk_error *err) {
     return RK_OK;
 }
 
-enum rk_status rk_pdf_fit_histogram(struct rk_pdf_fit fit[RK_PDF_FAMILIES], const double *edges,
-                                    const double *counts, size_t bins,
-                                    const struct rk_pdf_options *options, struct rk_error *err) {
+/* The frame: about the given location, or the bin with the median. */
+static struct rk_pdf_frame frame_of(const struct counts *c, const struct rk_pdf_options *options,
+                                    size_t first, size_t last) {
+    double below = 0;
+    size_t middle = 0;
+    while ((below += c->counts[middle]) < 0.5 * c->total) {
+        middle++;
+    }
+    double centre = 0.5 * c->edges[middle] + 0.5 * c->edges[middle + 1];
+    double width = c->edges[last] / 16 - c->edges[first] / 16;
+    return (struct rk_pdf_frame){options->fixed ? options->location : centre,
+                                 ldexp(1, ilogb(width)), RK_PDF_BOTH};
+}
+
+static enum rk_status prepare(struct counts *c, const struct rk_pdf_options *options,
+                              struct rk_error *err) {
+    size_t first = 0, last = c->bins;
+    for (; c->counts[first] == 0; first++) {
+    }
+    for (; c->counts[last - 1] == 0; last--) {
+    }
+    c->frame = frame_of(c, options, first, last);
+    c->points = (struct rk_pdf_points){.z = rk_array_create(c->bins, NODES * sizeof(double)),
+                                       .w = rk_array_create(c->bins, NODES * sizeof(double)),
+                                       .count = c->bins * NODES,
+                                       .total = c->total,
+                                       .least = into(c, c->edges[first]),
+                                       .most = into(c, c->edges[last])};
+    return c->points.z && c->points.w ? RK_OK
+                                      : rk_fail(err, RK_EMEMORY, "no memory for %zu bins", c->bins);
+}
+
+/* The bins with the scatter of multinomial counts, as what the pictures show. */
+static enum rk_status take_bins(struct rk_pdf *pdf, const struct counts *c, struct rk_error *err) {
+    pdf->bins = c->bins;
+    pdf->edge = rk_array_create(c->bins + 1, sizeof(double));
+    pdf->count = rk_array_create(c->bins, sizeof(double));
+    pdf->density = rk_array_create(c->bins, sizeof(double));
+    pdf->error = rk_array_create(c->bins, sizeof(double));
+    if (!pdf->edge || !pdf->count || !pdf->density || !pdf->error) {
+        return rk_fail(err, RK_EMEMORY, "no memory for %zu bins", c->bins);
+    }
+    memcpy(pdf->edge, c->edges, (c->bins + 1) * sizeof(double));
+    memcpy(pdf->count, c->counts, c->bins * sizeof(double));
+    for (size_t b = 0; b < c->bins; b++) {
+        double part = c->counts[b] / c->total, width = c->edges[b + 1] - c->edges[b];
+        pdf->density[b] = part / width;
+        pdf->error[b] = sqrt(part * (1 - part) / c->total) / width;
+    }
+    return RK_OK;
+}
+
+static enum rk_status fit_families(struct rk_pdf *pdf, struct counts *c,
+                                   const struct rk_pdf_options *options, struct rk_error *err) {
+    double *difference = rk_array_create(c->bins, sizeof *difference);
+    if (!difference) {
+        return rk_fail(err, RK_EMEMORY, "no memory for %zu bins", c->bins);
+    }
+    for (size_t f = 0; f < RK_PDF_FAMILIES; f++) {
+        struct rk_pdf_fit *fit = &pdf->fit[f];
+        *fit = (struct rk_pdf_fit){.family = rk_pdf_families[f]};
+        fit->resampled = (struct rk_interval){NAN, NAN, NAN, NAN, NAN};
+        fit->ks = fit->ks_p = fit->ad = fit->ad_p = NAN;
+        fit->squares = (struct rk_pdf_curve){rk_pdf_families[f], NAN, NAN, NAN};
+        struct rk_pdf_curve best = fit_counts(fit, c, options->fixed, options->level);
+        add_logarithms(difference, f == 0 ? 1 : -1, c, &best);
+    }
+    rk_pdf_vuong_of_counts(pdf, difference, c->counts, c->bins, c->total);
+    free(difference);
+    return RK_OK;
+}
+
+enum rk_status rk_pdf_fit_histogram(struct rk_pdf **out, const double *edges, const double *counts,
+                                    size_t bins, const struct rk_pdf_options *options,
+                                    struct rk_error *err) {
     struct counts c = {.edges = edges, .counts = counts, .bins = bins};
-    enum rk_status status = rk_check_level(options->level, err);
+    struct rk_pdf *pdf = calloc(1, sizeof *pdf);
+    enum rk_status status =
+        pdf ? rk_check_level(options->level, err) : rk_fail(err, RK_EMEMORY, "out of memory");
     if (status == RK_OK) {
         status = check_counts(&c, err);
     }
     if (status == RK_OK && options->side != RK_PDF_BOTH) {
         status = rk_fail(err, RK_EINVALID, "a histogram is fitted on both sides");
     }
-    double below = 0;
-    size_t middle = 0, first = 0, last = bins;
-    while (status == RK_OK && (below += counts[middle]) < 0.5 * c.total) {
-        middle++;
+    if (status == RK_OK) {
+        status = prepare(&c, options, err);
     }
-    if (status != RK_OK) {
-        return status;
+    if (status == RK_OK) {
+        status = take_bins(pdf, &c, err);
     }
-    for (; counts[first] == 0; first++) {
+    if (status == RK_OK) {
+        status = fit_families(pdf, &c, options, err);
     }
-    for (; counts[last - 1] == 0; last--) {
-    }
-    double centre = 0.5 * edges[middle] + 0.5 * edges[middle + 1];
-    double width = edges[last] / 16 - edges[first] / 16;
-    c.frame = (struct rk_pdf_frame){options->fixed ? options->location : centre,
-                                    ldexp(1, ilogb(width)), RK_PDF_BOTH};
-    c.points = (struct rk_pdf_points){.z = rk_array_create(bins, NODES * sizeof(double)),
-                                      .w = rk_array_create(bins, NODES * sizeof(double)),
-                                      .count = bins * NODES,
-                                      .total = c.total,
-                                      .least = into(&c, edges[first]),
-                                      .most = into(&c, edges[last])};
-    if (!c.points.z || !c.points.w) {
-        status = rk_fail(err, RK_EMEMORY, "no memory for %zu bins", bins);
-    }
-    for (size_t f = 0; status == RK_OK && f < RK_PDF_FAMILIES; f++) {
-        fit[f] = (struct rk_pdf_fit){.family = rk_pdf_families[f]};
-        fit[f].resampled = (struct rk_interval){NAN, NAN, NAN, NAN, NAN};
-        fit[f].ks = fit[f].ks_p = fit[f].ad = fit[f].ad_p = NAN;
-        fit[f].gaussian = fit[f].ratio = fit[f].ratio_p = fit[f].heavier_p = NAN;
-        fit[f].squares = (struct rk_pdf_curve){rk_pdf_families[f], NAN, NAN, NAN};
-        fit_counts(&fit[f], &c, options->fixed, options->level);
+    if (status == RK_OK) {
+        pdf->counted = true;
+        pdf->share = 1;
+        pdf->samples = pdf->units = (size_t)c.total;
+        pdf->n_eff = c.total;
+        pdf->correlation_time = NAN;
+        pdf->separation_p = fmin(1, 2 * fmin(pdf->fit[0].ratio_p, pdf->fit[1].ratio_p));
+        rk_pdf_say(pdf, options);
+    } else {
+        rk_pdf_free(pdf);
+        pdf = NULL;
     }
     rk_pdf_points_clear(&c.points);
+    *out = pdf;
     return status;
 }

@@ -125,6 +125,44 @@ bool rk_pdf_covariance(const struct rk_pdf_points *points, bool fixed,
 /* Is the estimate at an end of the family's range? */
 bool rk_pdf_at_limit(const struct rk_pdf_curve *curve);
 
+/* ---- One estimate -------------------------------------------------------------------------- */
+
+/* Everything one estimate needs. */
+struct rk_pdf_work {
+    struct rk_pdf_source source; /* its segments are the units */
+    struct rk_pdf_frame frame;
+    struct rk_pdf_points points;
+    struct rk_pdf_curve best[RK_PDF_FAMILIES]; /* in the frame */
+    bool fixed;                                /* the location is at 0 of the frame */
+    double blocks, time; /* mean length of blocks, correlation time, in samples; 0: no blocks */
+    double *score;       /* [segments][families] log-likelihoods */
+};
+
+/* Make the segments of the source units: replicas, or blocks longer than two correlation times.
+ * Fills replicas, units, blocks and correlation_time of `pdf`. RK_EREFUSED: too few blocks. */
+enum rk_status rk_pdf_units_choose(struct rk_pdf *pdf, struct rk_pdf_work *work,
+                                   const struct rk_pdf_options *options, struct rk_error *err);
+
+/* Sums of squares of what each unit moves the estimates (location, ln scale, shape) by. Fills the
+ * family's column of work->score. */
+struct rk_pdf_scatter {
+    double square[3];
+    double units;
+};
+struct rk_pdf_scatter rk_pdf_scatter_of(struct rk_pdf_work *work, size_t family,
+                                        double covariance[3][3]);
+
+/* ratio, ratio_p and heavier_p from the log-likelihoods, which are too large by `divide`. */
+void rk_pdf_fill_ratio(struct rk_pdf_fit *fit, double divide);
+
+/* Vuong's test of the two families: z of the difference of their log-likelihoods over units, from
+ * work->score; over samples where these have weights, sum w d/sqrt(sum w^2 (d - mean)^2); over
+ * counts, where a sample of bin b adds difference[b] = ln(p_q(b)/p_b(b)). The conditions are those
+ * of Vuong's theorem, independent units of one distribution, for any of them. */
+void rk_pdf_vuong(struct rk_pdf *pdf, const struct rk_pdf_work *work);
+void rk_pdf_vuong_of_counts(struct rk_pdf *pdf, const double *difference, const double *counts,
+                            size_t bins, double total);
+
 /* ---- Parts of the verdict ------------------------------------------------------------------ */
 
 enum rk_status rk_pdf_histogram(struct rk_pdf *pdf, const struct rk_pdf_source *source,

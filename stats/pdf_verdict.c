@@ -94,7 +94,9 @@ void rk_pdf_say(struct rk_pdf *pdf, const struct rk_pdf_options *options) {
     } else {
         say(pdf, " From %zu samples", pdf->samples);
     }
-    if (options->independent) {
+    if (pdf->counted) {
+        say(pdf, ", counted in %zu bins and taken as independent.", pdf->bins);
+    } else if (options->independent) {
         say(pdf, ", taken as independent as asked.");
     } else if (pdf->blocks) {
         say(pdf,

@@ -124,6 +124,14 @@ static enum rk_status finish(struct rk_rate *out, const struct units *units, dou
     return RK_OK;
 }
 
+/* Neighbouring blocks are not quite independent. */
+static void widen(struct rk_rate *out, double time, double length) {
+    double factor = sqrt(rk_block_widening(time, length));
+    struct rk_interval *x = &out->rate;
+    x->low = x->estimate - factor * (x->estimate - x->low);
+    x->high = x->estimate + factor * (x->high - x->estimate);
+}
+
 enum rk_status rk_rate_estimate(struct rk_rate *out, const struct rk_series *series,
                                 enum rk_series_mode mode, const struct rk_rate_options *options,
                                 struct rk_error *err) {
@@ -162,6 +170,7 @@ enum rk_status rk_rate_estimate(struct rk_rate *out, const struct rk_series *ser
         }
         if (status == RK_OK) {
             double n = (double)rk_series_span(series, mode, only, options->from, options->to);
+            widen(out, out->correlation_time / series->interval, n / (double)out->units);
             out->rate.n_eff =
                 fmin(n, n * series->interval / (2 * fmax(out->correlation_time, 1e-300)));
         }

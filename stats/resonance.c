@@ -3,50 +3,87 @@
 #include "base/memory.h"
 #include "stats/least_squares.h"
 #include "stats/numeric.h"
-#include "stats/resample.h"
+#include "stats/resonance_internal.h"
 
 #include <gsl/gsl_cdf.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-enum { LEAST_PERIODS = 5, LEAST_REPLICAS = 3, FEW = 10, PARAMS = 3 };
-enum { HEIGHT, POSITION, LOG_WIDTH };
+enum { LEAST_PERIODS = 5, LEAST_REPLICAS = 3, FEW = 10 };
 
-struct work {
-    const struct rk_resonance_data *data;
-    size_t *order;                  /* [periods] ascending */
-    double *x, *y, *weight, *error; /* [periods] in that order, y in units of `unit` */
-    double unit, low, high;         /* of the rates; of the periods */
-    size_t fewest;                  /* replicas of a period */
-};
-
-static double peak(double x, const double *b, double *g, const void *context) {
-    (void)context;
-    double z = (x - b[POSITION]) * exp(-b[LOG_WIDTH]), shape = 1 / (1 + z * z);
-    g[HEIGHT] = shape;
-    g[POSITION] = 2 * b[HEIGHT] * shape * shape * z * exp(-b[LOG_WIDTH]);
-    g[LOG_WIDTH] = 2 * b[HEIGHT] * shape * shape * z * z;
-    return b[HEIGHT] * shape;
+double rk_peak_at(double x, const double *b, double *g, const void *context) {
+    double excess = exp(2 * b[RK_PEAK_WIDTH]);
+    double width = ((const struct rk_peak_data *)context)->narrowest * sqrt(1 + excess);
+    double z = (x - b[RK_PEAK_POSITION]) / width, shape = 1 / (1 + z * z);
+    double slope = 2 * b[RK_PEAK_HEIGHT] * shape * shape * z;
+    g[RK_PEAK_HEIGHT] = shape;
+    g[RK_PEAK_POSITION] = slope / width;
+    g[RK_PEAK_WIDTH] = slope * z * (excess / (1 + excess));
+    return b[RK_PEAK_HEIGHT] * shape;
 }
 
-static bool fit_peak(const struct work *w, const double *y, double theta[PARAMS],
-                     double *chi_square) {
-    struct rk_least_squares problem = {.model = peak,
+/* The width held at its least: for a minimum that lies there, which steps never reach. */
+static const double NARROWEST = -50;
+static double narrowest_at(double x, const double *b, double *g, const void *context) {
+    const double theta[RK_PEAK_PARAMS] = {b[RK_PEAK_HEIGHT], b[RK_PEAK_POSITION], NARROWEST};
+    double gradient[RK_PEAK_PARAMS], y = rk_peak_at(x, theta, gradient, context);
+    g[RK_PEAK_HEIGHT] = gradient[RK_PEAK_HEIGHT];
+    g[RK_PEAK_POSITION] = gradient[RK_PEAK_POSITION];
+    return y;
+}
+
+double rk_peak_width(const struct rk_peak_data *w, const struct rk_peak *peak) {
+    return w->narrowest * sqrt(1 + exp(2 * peak->theta[RK_PEAK_WIDTH]));
+}
+
+bool rk_peak_fit(const struct rk_peak_data *w, const double *y, struct rk_peak *peak) {
+    struct rk_least_squares problem = {.model = rk_peak_at,
+                                       .context = w,
                                        .x = w->x,
                                        .y = y,
                                        .weight = w->weight,
                                        .points = w->data->periods,
-                                       .params = PARAMS};
-    struct rk_least_squares_fit fit = {.theta = {theta[0], theta[1], theta[2]}};
+                                       .params = RK_PEAK_PARAMS};
+    struct rk_least_squares_fit fit;
+    memcpy(fit.theta, peak->theta, sizeof peak->theta);
     if (rk_least_squares_solve(&problem, &fit, NULL) != RK_OK) {
-        return false;
+        problem.model = narrowest_at;
+        problem.params = RK_PEAK_WIDTH;
+        memset(fit.inverse, 0, sizeof fit.inverse);
+        memcpy(fit.theta, peak->theta, sizeof peak->theta);
+        fit.theta[RK_PEAK_WIDTH] = NARROWEST;
+        if (rk_least_squares_solve(&problem, &fit, NULL) != RK_OK) {
+            return false;
+        }
     }
-    for (int k = 0; k < PARAMS; k++) {
-        theta[k] = fit.theta[k];
+    for (int k = 0; k < RK_PEAK_PARAMS; k++) {
+        peak->theta[k] = fit.theta[k];
+        memcpy(peak->inverse[k], fit.inverse[k], sizeof peak->inverse[k]);
     }
-    *chi_square = fit.residual;
+    peak->chi_square = fit.residual;
     return true;
+}
+
+bool rk_peak_find(const struct rk_peak_data *w, const double *y, struct rk_peak *best) {
+    size_t top = 0;
+    for (size_t j = 0; j < w->data->periods; j++) {
+        top = y[j] > y[top] ? j : top;
+    }
+    best->chi_square = INFINITY;
+    for (int k = 0; k < 4; k++) {
+        double width = (w->high - w->low) * pow(2, -k);
+        struct rk_peak peak = {.theta = {y[top], w->x[top], log(width / w->narrowest)}};
+        if (rk_peak_fit(w, y, &peak) && peak.chi_square < best->chi_square) {
+            *best = peak;
+        }
+    }
+    return isfinite(best->chi_square);
+}
+
+size_t rk_peak_replicas(const struct rk_peak_data *w, size_t j) {
+    const size_t *first = w->data->first + w->order[j];
+    return first[1] - first[0];
 }
 
 /* ---- Preparation --------------------------------------------------------------------------- */
@@ -78,7 +115,7 @@ static enum rk_status check(const struct rk_resonance_data *data, double *larges
     return *largest > 0 ? RK_OK : rk_fail(err, RK_EREFUSED, "all rates are 0");
 }
 
-static void sort_periods(struct work *w) {
+static void sort_periods(struct rk_peak_data *w) {
     for (size_t k = 0; k < w->data->periods; k++) {
         size_t at = k;
         for (; at > 0 && w->data->period[w->order[at - 1]] > w->data->period[k]; at--) {
@@ -88,38 +125,31 @@ static void sort_periods(struct work *w) {
     }
 }
 
-/* The mean of a period, each replica as often as `times` says; NULL: once. */
-static double mean_of(const struct work *w, size_t k, const double *times) {
-    double sum = 0, n = 0;
-    size_t first = w->data->first[k];
-    for (size_t i = first; i < w->data->first[k + 1]; i++) {
-        double t = times ? times[i - first] : 1;
-        sum += t * (w->data->rate[i] / w->unit);
-        n += t;
-    }
-    return sum / n;
-}
-
-static enum rk_status find_means(struct work *w, struct rk_error *err) {
-    double pooled = 0, degrees = 0;
+static enum rk_status find_means(struct rk_peak_data *w, struct rk_error *err) {
+    double pooled = 0;
     bool scatter = false;
-    w->fewest = SIZE_MAX;
+    size_t fewest = SIZE_MAX;
     for (size_t j = 0; j < w->data->periods; j++) {
-        size_t k = w->order[j], n = w->data->first[k + 1] - w->data->first[k];
-        w->x[j] = w->data->period[k];
-        w->y[j] = mean_of(w, k, NULL);
-        w->fewest = n < w->fewest ? n : w->fewest;
-        double squares = 0;
-        for (size_t i = w->data->first[k]; i < w->data->first[k + 1]; i++) {
-            double d = w->data->rate[i] / w->unit - w->y[j];
+        const double *rate = w->data->rate + w->data->first[w->order[j]];
+        size_t n = rk_peak_replicas(w, j);
+        double sum = 0, squares = 0;
+        for (size_t i = 0; i < n; i++) {
+            sum += rate[i] / w->unit;
+            scatter = scatter || rate[i] != rate[0];
+        }
+        w->x[j] = w->data->period[w->order[j]];
+        w->y[j] = sum / (double)n;
+        fewest = n < fewest ? n : fewest;
+        for (size_t i = 0; i < n; i++) {
+            double d = rate[i] / w->unit - w->y[j];
             squares += d * d;
-            scatter = scatter || w->data->rate[i] != w->data->rate[w->data->first[k]];
         }
         w->error[j] = sqrt(squares / (double)(n - 1) / (double)n);
         pooled += squares;
-        degrees += (double)(n - 1);
+        w->degrees += (double)(n - 1);
         if (j > 0 && !(w->x[j] > w->x[j - 1])) {
-            return rk_fail(err, RK_EINVALID, "the period %g is there twice", w->x[j]);
+            return rk_fail(err, RK_EINVALID,
+                           "two points have the period %g; they must differ in it", w->x[j]);
         }
     }
     if (!scatter || !(pooled > 0)) {
@@ -128,11 +158,14 @@ static enum rk_status find_means(struct work *w, struct rk_error *err) {
                        "tell no error");
     }
     for (size_t j = 0; j < w->data->periods; j++) {
-        size_t k = w->order[j];
-        double n = (double)(w->data->first[k + 1] - w->data->first[k]);
+        double n = (double)rk_peak_replicas(w, j);
         double own =
-            w->fewest >= FEW && w->error[j] > 0 ? w->error[j] * w->error[j] : pooled / degrees / n;
+            fewest >= FEW && w->error[j] > 0 ? w->error[j] * w->error[j] : pooled / w->degrees / n;
         w->weight[j] = 1 / own;
+    }
+    w->narrowest = INFINITY;
+    for (size_t j = 1; j < w->data->periods; j++) {
+        w->narrowest = fmin(w->narrowest, 0.25 * (w->x[j] - w->x[j - 1]));
     }
     w->low = w->x[0];
     w->high = w->x[w->data->periods - 1];
@@ -141,101 +174,37 @@ static enum rk_status find_means(struct work *w, struct rk_error *err) {
 
 /* ---- Results ------------------------------------------------------------------------------- */
 
-static enum rk_status first_fit(const struct work *w, double best[PARAMS], double *chi_square,
-                                struct rk_error *err) {
-    size_t top = 0;
+/* The probability of means that differ so much when the rate is one constant. */
+static double flat(const struct rk_peak_data *w) {
+    double sum = 0, weight = 0, chi_square = 0, n = (double)w->data->periods;
     for (size_t j = 0; j < w->data->periods; j++) {
-        top = w->y[j] > w->y[top] ? j : top;
+        sum += w->weight[j] * w->y[j];
+        weight += w->weight[j];
     }
-    *chi_square = INFINITY;
-    for (int k = 0; k < 4; k++) { /* from narrow to wide */
-        double width = (w->high - w->low) * pow(2, -k), chi;
-        double theta[PARAMS] = {w->y[top], w->x[top], log(width)};
-        if (fit_peak(w, w->y, theta, &chi) && chi < *chi_square) {
-            *chi_square = chi;
-            for (int i = 0; i < PARAMS; i++) {
-                best[i] = theta[i];
-            }
-        }
+    for (size_t j = 0; j < w->data->periods; j++) {
+        double d = w->y[j] - sum / weight;
+        chi_square += w->weight[j] * d * d;
     }
-    if (isinf(*chi_square)) {
+    return gsl_cdf_fdist_Q(chi_square / (n - 1), n - 1, w->degrees);
+}
+
+static enum rk_status first_fit(const struct rk_peak_data *w, struct rk_peak *best,
+                                struct rk_error *err) {
+    if (!rk_peak_find(w, w->y, best)) {
         return rk_fail(err, RK_EREFUSED, "no peak fits the rates");
     }
-    if (!(best[POSITION] > w->low && best[POSITION] < w->high)) {
+    double at = best->theta[RK_PEAK_POSITION];
+    if (!(at > w->low && at < w->high)) {
         return rk_fail(err, RK_EREFUSED,
-                       "the rate has no maximum between the periods %g and %g: the peak that fits "
-                       "is at %.3g",
-                       w->low, w->high, best[POSITION]);
+                       "no peak inside the scan: between the periods %g and %g the rate has no "
+                       "maximum, the peak that fits is at %.3g",
+                       w->low, w->high, at);
     }
     return RK_OK;
 }
 
-static void resample_means(const struct work *w, double *y, double *times,
-                           struct rk_stream *stream) {
-    for (size_t j = 0; j < w->data->periods; j++) {
-        size_t k = w->order[j];
-        rk_resample_draw(times, w->data->first[k + 1] - w->data->first[k], stream);
-        y[j] = mean_of(w, k, times);
-    }
-}
-
-static enum rk_status resample(struct rk_resonance *out, const struct work *w,
-                               const double best[PARAMS],
-                               const struct rk_resonance_options *options,
-                               const struct rk_stream *stream, struct rk_error *err) {
-    size_t count = (size_t)options->bootstrap, used = 0, most = w->data->first[w->data->periods];
-    double *draws = rk_array_create(count, PARAMS * sizeof *draws);
-    double *y = rk_array_create(w->data->periods, sizeof *y);
-    double *times = rk_array_create(most, sizeof *times);
-    struct rk_stream own = *stream;
-    enum rk_status status = RK_OK;
-    if (!draws || !y || !times) {
-        status = rk_fail(err, RK_EMEMORY, "no memory for %zu resamplings", count);
-    }
-    for (size_t d = 0; status == RK_OK && d < count; d++) {
-        double theta[PARAMS] = {best[0], best[1], best[2]}, chi;
-        resample_means(w, y, times, &own);
-        if (fit_peak(w, y, theta, &chi)) {
-            for (int k = 0; k < PARAMS; k++) {
-                draws[(size_t)k * count + used] = theta[k];
-            }
-            used++;
-        }
-    }
-    if (status == RK_OK && used < count - count / 20) {
-        status = rk_fail(err, RK_EREFUSED,
-                         "of %zu resamplings of the replicas only %zu have a peak: it is not sure "
-                         "that there is one",
-                         count, used);
-    }
-    if (status == RK_OK) {
-        struct rk_interval *into[PARAMS] = {&out->height, &out->position, &out->width};
-        struct rk_tails tails = rk_resample_tails(w->fewest, options->level);
-        for (int k = 0; k < PARAMS; k++) {
-            double *column = draws + (size_t)k * count;
-            rk_sort(column, used);
-            double low = rk_quantile_of_draws(column, used, tails.low);
-            double high = rk_quantile_of_draws(column, used, tails.high);
-            double factor = k == HEIGHT ? w->unit : 1;
-            bool log = k == LOG_WIDTH;
-            *into[k] = (struct rk_interval){
-                log ? exp(best[k]) : best[k] * factor, log ? exp(low) : low * factor,
-                log ? exp(high) : high * factor, (double)most, options->level};
-        }
-        if (!(out->height.low > 0)) {
-            status = rk_fail(err, RK_EREFUSED,
-                             "the height of the peak, %.3g [%.3g, %.3g], is not above 0",
-                             out->height.estimate, out->height.low, out->height.high);
-        }
-    }
-    free(draws);
-    free(y);
-    free(times);
-    return status;
-}
-
-static enum rk_status fill_curves(struct rk_resonance *out, const struct work *w,
-                                  const double best[PARAMS], double level, struct rk_error *err) {
+static enum rk_status fill_curves(struct rk_resonance *out, const struct rk_peak_data *w,
+                                  const struct rk_peak *best, double level, struct rk_error *err) {
     double **columns[] = {&out->period, &out->mean, &out->low, &out->high, &out->curve};
     for (size_t c = 0; c < 5; c++) {
         *columns[c] = rk_array_create(w->data->periods, sizeof(double));
@@ -244,46 +213,58 @@ static enum rk_status fill_curves(struct rk_resonance *out, const struct work *w
         }
     }
     for (size_t j = 0; j < w->data->periods; j++) {
-        size_t k = w->order[j];
-        double n = (double)(w->data->first[k + 1] - w->data->first[k]), gradient[PARAMS];
+        double n = (double)rk_peak_replicas(w, j), gradient[RK_PEAK_PARAMS];
         double half = rk_student_quantile(0.5 + 0.5 * level, n - 1) * w->error[j];
         out->period[j] = w->x[j];
         out->mean[j] = w->unit * w->y[j];
         out->low[j] = w->unit * (w->y[j] - half);
         out->high[j] = w->unit * (w->y[j] + half);
-        out->curve[j] = w->unit * peak(w->x[j], best, gradient, NULL);
+        out->curve[j] = w->unit * rk_peak_at(w->x[j], best->theta, gradient, w);
     }
+    out->fitted[0] = w->unit * best->theta[RK_PEAK_HEIGHT];
+    out->fitted[1] = best->theta[RK_PEAK_POSITION];
+    out->fitted[2] = rk_peak_width(w, best);
     return RK_OK;
 }
 
-static enum rk_status estimate(struct rk_resonance *out, struct work *w,
+static enum rk_status estimate(struct rk_resonance *out, struct rk_peak_data *w,
                                const struct rk_resonance_options *options,
                                const struct rk_stream *stream, struct rk_error *err) {
-    double best[PARAMS];
+    struct rk_peak best;
+    size_t seen[RK_PEAK_SIGHTS] = {0};
     sort_periods(w);
     enum rk_status status = find_means(w, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    out->flat_p = flat(w);
+    if (!(out->flat_p < 1 - options->level)) {
+        return rk_fail(err, RK_EREFUSED,
+                       "no peak inside the scan: the mean rates do not differ from one constant (F "
+                       "test: p = %.2g)",
+                       out->flat_p);
+    }
+    status = first_fit(w, &best, err);
     if (status == RK_OK) {
-        status = first_fit(w, best, &out->chi_square, err);
+        status = rk_peak_resample(out, w, &best, options, stream, seen, err);
     }
     if (status == RK_OK) {
-        status = resample(out, w, best, options, stream, err);
+        status = fill_curves(out, w, &best, options->level, err);
     }
     if (status == RK_OK) {
-        status = fill_curves(out, w, best, options->level, err);
-    }
-    if (status == RK_OK) {
+        enum rk_peak_sight sight = rk_peak_look(w, &best);
+        double degrees = (double)w->data->periods - RK_PEAK_PARAMS;
         out->periods = w->data->periods;
         out->replicas = w->data->first[w->data->periods];
-        out->fit_p = gsl_cdf_chisq_Q(out->chi_square, (double)out->periods - PARAMS);
-        bool inside = out->position.low >= w->low && out->position.high <= w->high;
-        snprintf(out->text, sizeof out->text,
-                 "A peak at %.4g [%.4g, %.4g] from %zu replicas at %zu periods%s%s.",
-                 out->position.estimate, out->position.low, out->position.high, out->replicas,
-                 out->periods,
-                 out->fit_p < 0.01 ? "; yet the rates do not have that form (chi squared: p below "
-                                     "0.01)"
-                                   : "",
-                 inside ? "" : "; its place is not sure: the interval leaves the periods");
+        out->chi_square = best.chi_square;
+        out->fit_p = gsl_cdf_fdist_Q(best.chi_square / degrees, degrees, w->degrees);
+        if (sight == RK_PEAK_NARROW) {
+            out->height.estimate = NAN;
+        }
+        if (sight != RK_PEAK_SEEN) {
+            out->width.estimate = NAN;
+        }
+        rk_peak_tell(out, seen);
     }
     return status;
 }
@@ -293,12 +274,10 @@ enum rk_status rk_resonance_estimate(struct rk_resonance **out,
                                      const struct rk_resonance_options *options,
                                      const struct rk_stream *stream, struct rk_error *err) {
     *out = NULL;
-    struct work w = {.data = data};
+    struct rk_peak_data w = {.data = data};
     enum rk_status status = rk_check_level(options->level, err);
-    if (status == RK_OK && (options->bootstrap < 100 || options->bootstrap > 1000000)) {
-        status = rk_fail_about(err, RK_EINVALID, "bootstrap",
-                               "%llu resamplings; 100 to 1000000 give an interval",
-                               (unsigned long long)options->bootstrap);
+    if (status == RK_OK) {
+        status = rk_check_resamples(options->bootstrap, err);
     }
     if (status == RK_OK) {
         status = check(data, &w.unit, err);

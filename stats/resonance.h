@@ -3,7 +3,23 @@
  *   v(T) = h/(1 + ((T - T0)/w)^2)   height h, position T0, half width at half maximum w
  * fitted to the means over replicas by least squares weighted with their squared standard errors
  * (pooled over the periods where these have fewer than 10 replicas, since an error from few is
- * itself uncertain). Intervals: bootstrap over the replicas of each period, percentiles.
+ * itself uncertain).
+ *
+ * Is there one? The means must differ from one constant: F = chi^2/(P - 1) about their weighted
+ * mean, P - 1 and sum (n_k - 1) degrees, is refused where chance gives it with 1 - level or more.
+ *
+ * Intervals: bootstrap over the replicas of each period, deviations of the resampled means from the
+ * means times sqrt(n/(n - 1)), which few replicas lack; quantiles of the fitted parameters at the
+ * probabilities of Student's t with Satterthwaite's degrees of each parameter,
+ * (sum u_k)^2/sum(u_k^2/(n_k - 1)), u_k being its variance that period k is the cause of.
+ *
+ * What a scan cannot see has no bound. A resample whose best peak lies outside of the periods, or
+ * is none, says nothing of height and width; one wider than the scan has no upper bound of the
+ * width; one whose half width is below half the distance of the two periods on either side of it
+ * makes one period stand out and may be of any height, anywhere between the neighbours of that
+ * period, of any width up to their distance from it. Such resamples count as infinite where they
+ * say nothing, and an end of an interval that falls among them is infinite (0 for the lower end of
+ * a width): a one-sided bound, and `text` says why.
  */
 #ifndef RK_STATS_RESONANCE_H
 #define RK_STATS_RESONANCE_H
@@ -23,18 +39,21 @@ struct rk_resonance_options {
 };
 
 struct rk_resonance {
+    /* An end may be infinite; the estimate of a height or width that the scan cannot see is NaN. */
     struct rk_interval position, height, width;
     size_t periods, replicas; /* replicas of all periods */
+    double flat_p;            /* probability of means so different if the rate were a constant */
     double chi_square;        /* of the means about the curve, periods - 3 degrees of freedom */
     double fit_p;             /* its probability: small when the peak is of another form */
     double *period, *mean;    /* [periods] in order of the period */
     double *low, *high;       /* [periods] Student's t interval of each mean */
     double *curve;            /* [periods] */
-    char text[400];
+    double fitted[3];         /* height, position and width of that curve */
+    char text[700];
 };
 
-/* RK_EREFUSED: fewer than 5 periods, a period with fewer than 3 replicas, a peak outside of the
- * periods or without height. RK_EINVALID: numbers that are not finite, equal periods, options. */
+/* RK_EREFUSED: fewer than 5 periods, a period with fewer than 3 replicas, no peak inside the scan.
+ * RK_EINVALID: numbers that are not finite, equal periods, options. */
 enum rk_status rk_resonance_estimate(struct rk_resonance **out,
                                      const struct rk_resonance_data *data,
                                      const struct rk_resonance_options *options,

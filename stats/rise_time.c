@@ -77,16 +77,23 @@ static double first_below(const double *time, const double *curve, size_t count,
 
 static void say(struct rk_rise_time *out) {
     if (out->events == 0) {
-        snprintf(out->text, sizeof out->text,
-                 "none of %zu replicas got there: if the chance is constant the mean time is longer "
-                 "than %.3g",
-                 out->replicas, out->mean.low);
+        snprintf(
+            out->text, sizeof out->text,
+            "none of %zu replicas got there: if the chance is constant the mean time is longer "
+            "than %.3g",
+            out->replicas, out->mean.low);
     } else {
-        snprintf(out->text, sizeof out->text,
-                 "%zu of %zu replicas got there, the others count with the time they had; median by "
-                 "Kaplan and Meier, mean if the chance is constant in time%s",
-                 out->events, out->replicas,
-                 isinf(out->median.estimate) ? "; the median is beyond the data" : "");
+        snprintf(
+            out->text, sizeof out->text,
+            "%zu of %zu replicas got there, the others count with the time they had; median by "
+            "Kaplan and Meier, mean if the chance is constant in time%s",
+            out->events, out->replicas,
+            isinf(out->median.estimate) ? "; the median is beyond the data: half of them were "
+                                          "not there when the longest ended"
+            : isinf(out->median.high)
+                ? "; how long the median may be at most is not known: the upper end of the "
+                  "share that is not there yet stays above one half to the end of the data"
+                : "");
     }
 }
 

@@ -33,7 +33,7 @@ struct rk_rise_time {
     double *time;       /* [steps] ascending, one a different event time */
     double *survival;   /* [steps] just after it */
     double *low, *high; /* [steps] */
-    char text[256];
+    char text[512];
 };
 
 /* times[i] > 0 until the event, or until the replica ended when !seen[i]. RK_EINVALID: a time that

@@ -1,4 +1,5 @@
 /* The stretched exponential, or generalised normal. */
+#include "stats/lanes.h"
 #include "stats/pdf_internal.h"
 
 #include <gsl/gsl_cdf.h>
@@ -39,18 +40,55 @@ double rk_stretched_draw(const gsl_rng *rng, double b) {
 
 /* ---- Fits ---------------------------------------------------------------------------------- */
 
+enum { CHUNK = 256 };
+
+/* Distances from the location at work: their logarithms l, and |y|^b. */
+struct chunk {
+    rk_lanes log[CHUNK / LANES], power[CHUNK / LANES];
+};
+
+/* power = factor exp(b (l - top)), l <= top, where a distance of 0 has l = -inf. */
+WIDE static void raise(struct chunk *chunk, size_t count, double b, double top, double factor) {
+    for (size_t i = 0; i < (count + LANES - 1) / LANES; i++) {
+        rk_lanes x = b * (chunk->log[i] - top), y;
+        rk_lanes_exp(&y, &x);
+        chunk->power[i] = factor * y;
+    }
+}
+
+/* Fill both for z[0 .. count), |y| = |z - m| per; what fills up the last lane has y = 0. */
+static void take(struct chunk *chunk, const double *z, size_t count, double m, double per,
+                 double b) {
+    double top = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        double l = log(fabs((z[i] - m) * per));
+        chunk->log[i / LANES][i % LANES] = l;
+        top = l > top ? l : top;
+    }
+    for (size_t i = count; i % LANES != 0; i++) {
+        chunk->log[i / LANES][i % LANES] = -INFINITY;
+    }
+    top = isinf(top) ? 0 : top; /* all of them at the location */
+    raise(chunk, count, b, top, exp(b * top));
+}
+
 static struct rk_pdf_sums sums(const double *z, const double *w, size_t count,
                                const struct rk_pdf_curve *curve) {
     double b = curve->shape, per = 1 / curve->scale;
     double total = 0, powers = 0, logs = 0, pull = 0;
-    for (size_t i = 0; i < count; i++) {
-        double weight = w ? w[i] : 1, y = (z[i] - curve->location) * per;
-        total += weight;
-        if (y != 0) {
-            double l = log(fabs(y)), power = weight * exp(b * l);
+    struct chunk chunk;
+    for (size_t begin = 0; begin < count; begin += CHUNK) {
+        size_t n = count - begin < CHUNK ? count - begin : CHUNK;
+        take(&chunk, z + begin, n, curve->location, per, b);
+        for (size_t i = 0; i < n; i++) {
+            double weight = w ? w[begin + i] : 1, y = (z[begin + i] - curve->location) * per;
+            double power = weight * chunk.power[i / LANES][i % LANES];
+            total += weight;
             powers += power;
-            logs += power * l;
-            pull += power / y;
+            if (y != 0) {
+                logs += power * chunk.log[i / LANES][i % LANES];
+                pull += power / y;
+            }
         }
     }
     return (struct rk_pdf_sums){
@@ -64,8 +102,13 @@ static struct rk_pdf_sums sums(const double *z, const double *w, size_t count,
 static double fit_scale(const struct rk_pdf_points *points, const struct rk_pdf_curve *curve) {
     double b = curve->shape, m = curve->location, sum = 0;
     double reach = fmax(fabs(points->most - m), fabs(points->least - m));
-    for (size_t i = 0; i < points->count; i++) {
-        sum += points->w[i] * pow(fabs(points->z[i] - m) / reach, b);
+    struct chunk chunk;
+    for (size_t begin = 0; begin < points->count; begin += CHUNK) {
+        size_t n = points->count - begin < CHUNK ? points->count - begin : CHUNK;
+        take(&chunk, points->z + begin, n, m, 1 / reach, b);
+        for (size_t i = 0; i < n; i++) {
+            sum += points->w[begin + i] * chunk.power[i / LANES][i % LANES];
+        }
     }
     return reach * pow(b * sum / points->total, 1 / b);
 }
@@ -78,13 +121,19 @@ struct pull {
 /* The derivative of sum w |z - m|^b, up to a factor: rises with m for b > 1. */
 static double pull_at(double m, double *slope, void *context) {
     const struct pull *p = context;
+    const struct rk_pdf_points *points = p->points;
     double sum = 0, rise = 0;
-    for (size_t i = 0; i < p->points->count; i++) {
-        double y = (m - p->points->z[i]) / p->scale;
-        if (y != 0) {
-            double part = p->points->w[i] * pow(fabs(y), p->power);
-            sum += copysign(part, y);
-            rise += part / fabs(y);
+    struct chunk chunk;
+    for (size_t begin = 0; begin < points->count; begin += CHUNK) {
+        size_t n = points->count - begin < CHUNK ? points->count - begin : CHUNK;
+        take(&chunk, points->z + begin, n, m, 1 / p->scale, p->power);
+        for (size_t i = 0; i < n; i++) {
+            double y = (m - points->z[begin + i]) / p->scale;
+            if (y != 0) {
+                double part = points->w[begin + i] * chunk.power[i / LANES][i % LANES];
+                sum += copysign(part, y);
+                rise += part / fabs(y);
+            }
         }
     }
     *slope = rise * p->power / p->scale;

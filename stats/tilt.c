@@ -1,16 +1,18 @@
 #include "stats/tilt.h"
 
+#include "stats/lanes.h"
 #include "stats/numeric.h"
 
 #include <math.h>
 #include <stddef.h>
+#include <string.h>
 
 /* The largest theta that is tried in search of a root: J grows no more long before. */
 #define RK_TILT_MOST 0x1p900
 
 enum {
-    BLOCK = 512,  /* windows at a time: three arrays of them stay in the innermost cache */
-    LANES = 4,    /* sums side by side, added up in fixed order */
+    BLOCK = 512, /* windows at a time: three arrays of them stay in the innermost cache */
+    ROWS = BLOCK / LANES,
     RENEWAL = 16, /* points from one exact exponential to the next */
     STEPS = 1200, /* of a search for a root: never taken */
 };
@@ -73,55 +75,62 @@ double rk_tilt_extreme(const struct rk_tilt *tilt, double theta) {
 
 /* Windows at work, filled up to whole lanes with such as weigh nothing. */
 struct block {
-    double d[BLOCK]; /* z - extreme */
-    double e[BLOCK]; /* exp(theta d) */
-    double r[BLOCK]; /* exp(step d), from one point to the next */
-    size_t count, filled;
+    rk_lanes d[ROWS]; /* z - extreme */
+    rk_lanes e[ROWS]; /* exp(theta d) */
+    rk_lanes r[ROWS]; /* exp(step d), from one point to the next */
+    size_t count, rows;
 };
 
-static void load(struct block *block, const struct rk_tilt *tilt, size_t begin, size_t end,
-                 double extreme) {
+WIDE static void load(struct block *block, const struct rk_tilt *tilt, size_t begin, size_t end,
+                      double extreme) {
+    const double *x = tilt->values + begin;
     block->count = end - begin < BLOCK ? end - begin : BLOCK;
-    block->filled = (block->count + LANES - 1) / LANES * LANES;
-    for (size_t i = 0; i < block->count; i++) {
-        block->d[i] = standard(tilt, tilt->values[begin + i]) - extreme;
-    }
-    for (size_t i = block->count; i < block->filled; i++) {
-        block->d[i] = block->e[i] = block->r[i] = 0;
-    }
-}
-
-static void weigh(double *e, const struct block *block, double theta) {
-    for (size_t i = 0; i < block->count; i++) {
-        e[i] = exp(theta * block->d[i]);
-    }
-}
-
-static void advance(struct block *block) {
-    for (size_t i = 0; i < block->filled; i++) {
-        block->e[i] *= block->r[i];
-    }
-}
-
-static double total_of(const double lanes[LANES]) {
-    return (lanes[0] + lanes[2]) + (lanes[1] + lanes[3]);
-}
-
-static void add_block(struct rk_tilt_sums *sums, const struct block *block) {
-    double s0[LANES] = {0}, s1[LANES] = {0}, s2[LANES] = {0}, q[LANES] = {0};
-    for (size_t i = 0; i < block->filled; i += LANES) {
-        for (size_t l = 0; l < LANES; l++) {
-            double d = block->d[i + l], e = block->e[i + l], ed = e * d;
-            s0[l] += e;
-            s1[l] += ed;
-            s2[l] += ed * d;
-            q[l] += e * e;
+    block->rows = (block->count + LANES - 1) / LANES;
+    for (size_t i = 0; i < block->rows; i++) {
+        rk_lanes row = {tilt->centre, tilt->centre, tilt->centre, tilt->centre};
+        if ((i + 1) * LANES <= block->count) {
+            memcpy(&row, x + i * LANES, sizeof row);
+        } else {
+            memcpy(&row, x + i * LANES, (block->count - i * LANES) * sizeof *x);
         }
+        block->d[i] = (row / 2 - tilt->centre / 2) / tilt->largest / tilt->deviation - extreme;
     }
-    sums->s0 += total_of(s0);
-    sums->s1 += total_of(s1);
-    sums->s2 += total_of(s2);
-    sums->q += total_of(q);
+}
+
+/* exp(theta d), theta d <= 0; what only fills up weighs nothing. */
+WIDE static void weigh(rk_lanes *e, const struct block *block, double theta) {
+    for (size_t i = 0; i < block->rows; i++) {
+        rk_lanes x = theta * block->d[i];
+        rk_lanes_exp(&e[i], &x);
+    }
+    for (size_t i = block->count; i < block->rows * LANES; i++) {
+        e[i / LANES][i % LANES] = 0;
+    }
+}
+
+static double total_of(const rk_lanes *sums) {
+    return ((*sums)[0] + (*sums)[2]) + ((*sums)[1] + (*sums)[3]);
+}
+
+/* Go on to the next point if that is wished, and add up there, in fixed order. */
+WIDE static void add_block(struct rk_tilt_sums *sums, struct block *block, bool advance) {
+    rk_lanes s0 = {0}, s1 = {0}, s2 = {0}, q = {0};
+    for (size_t i = 0; i < block->rows; i++) {
+        rk_lanes d = block->d[i], e = block->e[i];
+        if (advance) {
+            e *= block->r[i];
+            block->e[i] = e;
+        }
+        rk_lanes ed = e * d;
+        s0 += e;
+        s1 += ed;
+        s2 += ed * d;
+        q += e * e;
+    }
+    sums->s0 += total_of(&s0);
+    sums->s1 += total_of(&s1);
+    sums->s2 += total_of(&s2);
+    sums->q += total_of(&q);
 }
 
 /* The sums of one unit at theta[m way], m = 0 .. count - 1, equally spaced and of one sign, into
@@ -147,12 +156,11 @@ static void sum_unit(const struct rk_tilt *tilt, size_t unit, const double *thet
             weigh(block.r, &block, step);
         }
         for (size_t m = 0; m < count; m++) {
-            if (m % RENEWAL == 0) {
+            bool renewed = m % RENEWAL == 0;
+            if (renewed) {
                 weigh(block.e, &block, theta[(ptrdiff_t)m * way]);
-            } else {
-                advance(&block);
             }
-            add_block(&sums[(ptrdiff_t)m * way * stride], &block);
+            add_block(&sums[(ptrdiff_t)m * way * stride], &block, !renewed);
         }
     }
 }

@@ -34,6 +34,11 @@ size_t rk_block_start(size_t count, size_t blocks, size_t b) {
     return count / blocks * b + count % blocks * b / blocks;
 }
 
+double rk_block_widening(double time, double length) {
+    double forgotten = (time - 0.25 / time) / length;
+    return time > 0.5 && length > 2 * time ? 1 / (1 - forgotten) : 1;
+}
+
 /* Blocks of a replica of n samples when blocks are to be `length` long; a replica is independent of
  * the others, so that it is always one at least. */
 static size_t blocks_within(size_t n, double length) {
@@ -122,14 +127,9 @@ static enum rk_status compare(const struct rk_units *units, const double *values
     return RK_OK;
 }
 
-static enum rk_status cut_blocks(struct rk_units *units, const double *values, const size_t *first,
-                                 size_t replicas, size_t least, struct rk_error *err) {
-    struct rk_correlation correlation;
-    enum rk_status status = rk_correlation_of(&correlation, values, first, replicas, err);
-    if (status != RK_OK) {
-        return status;
-    }
-    double time = correlation.time, length = choose_length(first, replicas, time, least);
+static enum rk_status cut(struct rk_units *units, double time, const size_t *first, size_t replicas,
+                          size_t least, struct rk_error *err) {
+    double length = choose_length(first, replicas, time, least);
     if (length == 0) {
         return rk_fail(err, RK_EREFUSED,
                        "%zu values of %zu replica%s, with a correlation time of %.3g of them, give "
@@ -150,7 +150,31 @@ static enum rk_status cut_blocks(struct rk_units *units, const double *values, c
     }
     units->blocks = true;
     units->time = time;
-    return compare(units, values, first, replicas, err);
+    return RK_OK;
+}
+
+static enum rk_status cut_blocks(struct rk_units *units, const double *values, const size_t *first,
+                                 size_t replicas, size_t least, struct rk_error *err) {
+    struct rk_correlation correlation;
+    enum rk_status status = rk_correlation_of(&correlation, values, first, replicas, err);
+    if (status == RK_OK) {
+        status = cut(units, correlation.time, first, replicas, least, err);
+    }
+    return status == RK_OK ? compare(units, values, first, replicas, err) : status;
+}
+
+enum rk_status rk_units_cut(struct rk_units *out, double time, const size_t *first, size_t replicas,
+                            size_t least, struct rk_error *err) {
+    *out = (struct rk_units){.time = NAN};
+    for (size_t r = 0; r < replicas; r++) {
+        out->replicas += first[r + 1] > first[r];
+    }
+    enum rk_status status = out->replicas > 0 ? cut(out, time, first, replicas, least, err)
+                                              : rk_fail(err, RK_EREFUSED, "there is not one value");
+    if (status != RK_OK) {
+        rk_units_clear(out);
+    }
+    return status;
 }
 
 static enum rk_status take_replicas(struct rk_units *units, const size_t *first, size_t replicas,

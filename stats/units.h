@@ -25,6 +25,11 @@ struct rk_units {
  * replicas that differ (see above). */
 enum rk_status rk_units_choose(struct rk_units *out, const double *values, const size_t *first,
                                size_t replicas, size_t least, struct rk_error *err);
+
+/* Blocks by the same rule for a correlation time (in values) that is known, without the comparison
+ * of replicas. RK_EREFUSED: too few. */
+enum rk_status rk_units_cut(struct rk_units *out, double time, const size_t *first, size_t replicas,
+                            size_t least, struct rk_error *err);
 void rk_units_clear(struct rk_units *units);
 
 /* Into how many blocks of nearly equal length to cut `count` samples of correlation time `time`
@@ -34,5 +39,10 @@ size_t rk_block_count(size_t count, double time, size_t least);
 
 /* Where block b of `blocks` starts; b = blocks gives `count`. */
 size_t rk_block_start(size_t count, size_t blocks, size_t b);
+
+/* By how much the variance of independent blocks of `length` samples is to be multiplied, since
+ * neighbours are not quite independent: 1/(1 - (T - 1/(4 T))/length), T being the correlation time
+ * in samples. Exact for AR(1) but for phi^length; 1 for white noise. */
+double rk_block_widening(double time, double length);
 
 #endif

@@ -1,13 +1,15 @@
 #include "ensemble/analysis.h"
 
+#include "base/memory.h"
 #include "ensemble/analysis/private.h"
 #include "stats/stats.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 static const struct rk_piece *const analyses[] = {
     &rk_analysis_rise.piece,  &rk_analysis_ldf.piece,     &rk_analysis_pdf.piece,
-    &rk_analysis_relax.piece, &rk_analysis_surface.piece,
+    &rk_analysis_relax.piece, &rk_analysis_surface.piece, &rk_analysis_resonance.piece,
 };
 
 const struct rk_registry rk_analysis_registry = {"analysis",
@@ -24,25 +26,54 @@ void rk_analysis_add_interval(struct rk_result *result, const char *const names[
 
 void rk_analysis_say_interval(char *text, size_t size, int digits, double x, double low,
                               double high) {
+    char bound[48] = "";
+    if (isfinite(low) && isinf(high)) {
+        snprintf(bound, sizeof bound, "at least %.*g", digits, low);
+    } else if (isfinite(high) && (isinf(low) || !isfinite(x))) {
+        snprintf(bound, sizeof bound, "at most %.*g", digits, high);
+    }
     if (!isfinite(x)) {
-        snprintf(text, size, "refused");
+        snprintf(text, size, "%s", bound[0] ? bound : "refused");
     } else if (isfinite(low) && isfinite(high)) {
         snprintf(text, size, "%.*g [%.*g, %.*g]", digits, x, digits, low, digits, high);
     } else {
-        snprintf(text, size, "%.*g (no interval)", digits, x);
+        snprintf(text, size, "%.*g (%s)", digits, x, bound[0] ? bound : "no interval");
     }
+}
+
+void rk_analysis_say(char *text, size_t size, int digits, const struct rk_result *result,
+                     const char *name) {
+    char low[64], high[64];
+    snprintf(low, sizeof low, "%s_low", name);
+    snprintf(high, sizeof high, "%s_high", name);
+    rk_analysis_say_interval(text, size, digits, rk_result_number(result, name),
+                             rk_result_number(result, low), rk_result_number(result, high));
 }
 
 void rk_analysis_print_interval(const struct rk_result *result, const char *name, int width,
                                 FILE *out) {
-    char low[64], high[64], text[96];
-    snprintf(low, sizeof low, "%s_low", name);
-    snprintf(high, sizeof high, "%s_high", name);
+    char text[96];
     const struct rk_value *value = rk_result_find(result, name);
-    double x = rk_result_number(result, name);
-    rk_analysis_say_interval(text, sizeof text, 6, x, rk_result_number(result, low),
-                             rk_result_number(result, high));
+    rk_analysis_say(text, sizeof text, 6, result, name);
     fprintf(out, "%-*s %s  %s\n", width, name, text, value ? value->doc : "");
+}
+
+enum rk_status rk_point_values_create(struct rk_point_values *values, size_t points, size_t room,
+                                      struct rk_error *err) {
+    *values = (struct rk_point_values){.at = rk_array_create(points, sizeof *values->at),
+                                       .value = rk_array_create(room, sizeof *values->value),
+                                       .first = rk_array_create(points + 1, sizeof *values->first),
+                                       .room = room};
+    return values->at && values->value && values->first
+               ? RK_OK
+               : rk_fail(err, RK_EMEMORY, "no memory for %zu numbers of %zu points", room, points);
+}
+
+void rk_point_values_clear(struct rk_point_values *values) {
+    free(values->at);
+    free(values->value);
+    free(values->first);
+    *values = (struct rk_point_values){0};
 }
 
 enum rk_status rk_analysis_check_span(uint64_t from, uint64_t to,

@@ -1,17 +1,48 @@
 /* The observable of one point's runs that are done, side by side. */
 #include "base/memory.h"
+#include "ensemble/analysis/private.h"
 #include "ensemble/analysis/report.h"
 #include "ensemble/store.h"
+#include "stats/data.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+void rk_notice_say(const struct rk_notice *notice, const char *format, ...) {
+    if (notice && notice->say) {
+        char line[900];
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(line, sizeof line, format, arguments);
+        va_end(arguments);
+        notice->say(notice->context, line);
+    }
+}
 
 void rk_gathered_clear(struct rk_gathered *g) {
     free(g->values);
     free(g->lengths);
     *g = (struct rk_gathered){0};
+}
+
+struct rk_point_data rk_gathered_data(const struct rk_plan *plan, size_t point,
+                                      const struct rk_gathered *g, struct rk_series *series) {
+    const struct rk_study *study = plan->study;
+    const struct rk_point *p = &study->points[point];
+    struct rk_schedule schedule = study->scene->schedule(p->params);
+    *series =
+        (struct rk_series){g->values, g->done, g->samples, g->samples, g->lengths, g->interval};
+    return (struct rk_point_data){
+        .point = p->name,
+        .series = series,
+        .samples_per_period = schedule.samples_per_period,
+        .period = schedule.period,
+        .stream = rk_stream_of(study->seed, p->key, 0, RK_FOR_BOOTSTRAP, 0),
+    };
 }
 
 /* Add one run; one that cannot be read, or does not fit its schedule, is missing. */

@@ -8,7 +8,6 @@
 #include <gsl/gsl_cdf.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* The names of a fit's scalars; the same for the whole and for either side. */
 struct names {
@@ -125,6 +124,15 @@ static void fill_whole(struct rk_result *result, const struct rk_pdf *pdf, doubl
     rk_result_scalar(result, "level", "", "probability that an interval is to cover", level);
 }
 
+static void fill(struct rk_result *result, const struct rk_pdf *pdf, double level,
+                 const char *unit) {
+    fill_whole(result, pdf, level);
+    for (size_t f = 0; f < RK_PDF_FAMILIES; f++) {
+        fill_fit(result, &pdf->fit[f], &names[0][f], f, unit);
+    }
+    fill_columns(result, pdf, level, unit);
+}
+
 static enum rk_status fit(struct rk_pdf **pdf, const struct rk_pdf_request *r,
                           const struct rk_pdf_options *options, const struct rk_stream *stream,
                           struct rk_error *err) {
@@ -153,11 +161,7 @@ enum rk_status rk_pdf_result(struct rk_result *result, const struct rk_pdf_reque
     if (status != RK_OK) {
         return status;
     }
-    fill_whole(result, pdf, options.level);
-    for (size_t f = 0; f < RK_PDF_FAMILIES; f++) {
-        fill_fit(result, &pdf->fit[f], &names[0][f], f, request->unit);
-    }
-    fill_columns(result, pdf, options.level, request->unit);
+    fill(result, pdf, options.level, request->unit);
     for (int side = RK_PDF_LEFT; status == RK_OK && request->sides && side <= RK_PDF_RIGHT;
          side++) {
         struct rk_pdf *half;
@@ -174,79 +178,15 @@ enum rk_status rk_pdf_result(struct rk_result *result, const struct rk_pdf_reque
 
 /* ---- Of counts ----------------------------------------------------------------------------- */
 
-/* The bins with the scatter of multinomial counts, as what the pictures show. */
-static enum rk_status take_bins(struct rk_pdf *pdf, const struct rk_pdf_counts *in,
-                                struct rk_error *err) {
-    pdf->bins = in->bins;
-    pdf->edge = rk_array_create(in->bins + 1, sizeof(double));
-    pdf->count = rk_array_create(in->bins, sizeof(double));
-    pdf->density = rk_array_create(in->bins, sizeof(double));
-    pdf->error = rk_array_create(in->bins, sizeof(double));
-    if (!pdf->edge || !pdf->count || !pdf->density || !pdf->error) {
-        return rk_fail(err, RK_EMEMORY, "no memory for %zu bins", in->bins);
-    }
-    memcpy(pdf->edge, in->edges, (in->bins + 1) * sizeof(double));
-    memcpy(pdf->count, in->counts, in->bins * sizeof(double));
-    for (size_t b = 0; b < in->bins; b++) {
-        pdf->n_eff += in->counts[b];
-    }
-    for (size_t b = 0; b < in->bins; b++) {
-        double share = in->counts[b] / pdf->n_eff, width = in->edges[b + 1] - in->edges[b];
-        pdf->density[b] = share / width;
-        pdf->error[b] = sqrt(share * (1 - share) / pdf->n_eff) / width;
-    }
-    return RK_OK;
-}
-
-static void say_counts(struct rk_result *result, const struct rk_pdf *pdf) {
-    const struct rk_pdf_fit *q = &pdf->fit[0], *b = &pdf->fit[1];
-    double lead = b->aic - q->aic;
-    char *text = result->verdict;
-    size_t size = sizeof result->verdict, used;
-    if (fabs(lead) < 2) {
-        snprintf(text, size, "AIC does not tell the two families apart (they differ by %.2g).",
-                 fabs(lead));
-    } else {
-        snprintf(text, size, "By AIC, which is no test, a %s is the nearer one (by %.3g).",
-                 lead > 0 ? "q-Gaussian" : "stretched exponential", fabs(lead));
-    }
-    for (size_t f = 0; f < RK_PDF_FAMILIES; f++) {
-        const struct rk_pdf_fit *fit = &pdf->fit[f];
-        if (fit->verdict != RK_INTERVAL) {
-            used = strlen(text);
-            snprintf(text + used, size - used,
-                     fit->verdict == RK_REFUSED
-                         ? " %s is refused: its %s runs into the end of its range, %g."
-                         : " %s has no interval: the likelihood of its %s is flat about %g.",
-                     fit->family->piece.name, fit->family->shape, fit->shape.estimate);
-        }
-    }
-    used = strlen(text);
-    snprintf(text + used, size - used,
-             " From %.0f counts in %zu bins, taken for independent samples.", pdf->n_eff,
-             pdf->bins);
-}
-
 enum rk_status rk_pdf_counts_result(struct rk_result *result, const struct rk_pdf_counts *counts,
                                     const struct rk_pdf_options *options, struct rk_error *err) {
-    struct rk_pdf *pdf = calloc(1, sizeof *pdf);
-    enum rk_status status = pdf ? rk_pdf_fit_histogram(pdf->fit, counts->edges, counts->counts,
-                                                       counts->bins, options, err)
-                                : rk_fail(err, RK_EMEMORY, "out of memory");
+    struct rk_pdf *pdf;
+    enum rk_status status =
+        rk_pdf_fit_histogram(&pdf, counts->edges, counts->counts, counts->bins, options, err);
     if (status == RK_OK) {
-        status = take_bins(pdf, counts, err);
+        fill(result, pdf, options->level, "");
+        rk_pdf_free(pdf);
     }
-    if (status == RK_OK) {
-        say_counts(result, pdf);
-        for (size_t f = 0; f < RK_PDF_FAMILIES; f++) {
-            fill_fit(result, &pdf->fit[f], &names[0][f], f, "");
-        }
-        rk_result_scalar(result, "samples", "", "sum of the counts", pdf->n_eff);
-        rk_result_scalar(result, "level", "", "probability that an interval is to cover",
-                         options->level);
-        fill_columns(result, pdf, options->level, "");
-    }
-    rk_pdf_free(pdf);
     return status;
 }
 

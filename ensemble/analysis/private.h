@@ -23,6 +23,20 @@ struct rk_point_data {
     const struct rk_point_data *reference;
 };
 
+/* One number of every replica, point by point, for what is estimated from all points together:
+ * value[first[p] .. first[p + 1]) of the p-th, which stands at at[p]. */
+struct rk_point_values {
+    double *at, *value;
+    size_t *first;
+    size_t points, room; /* that are there; of values */
+};
+
+/* Room for so many points and values; release with rk_point_values_clear, whatever the status.
+ * RK_EMEMORY. */
+enum rk_status rk_point_values_create(struct rk_point_values *values, size_t points, size_t room,
+                                      struct rk_error *err);
+void rk_point_values_clear(struct rk_point_values *values);
+
 struct rk_picture; /* ensemble/analysis/plot.h */
 
 struct rk_analysis_methods {
@@ -32,6 +46,13 @@ struct rk_analysis_methods {
     /* Fill `result`. RK_EREFUSED (the data do not support it; the message is for the user). */
     enum rk_status (*estimate)(const void *params, const struct rk_point_data *data,
                                struct rk_result *result, struct rk_error *err);
+    /* Of all points together, instead of `estimate`: what a point adds (it may have no run), and
+     * the estimate from what they added. */
+    enum rk_status (*add)(const void *params, const struct rk_point_data *data,
+                          struct rk_point_values *values, struct rk_error *err);
+    enum rk_status (*estimate_all)(const void *params, const struct rk_point_values *values,
+                                   const struct rk_stream *stream, struct rk_result *result,
+                                   struct rk_error *err);
     /* The closing table: its title, the head of its columns, and a row without line end. */
     const char *title, *head;
     void (*headline)(const struct rk_result *result, FILE *out);
@@ -43,7 +64,7 @@ struct rk_analysis_methods {
 };
 
 extern const struct rk_analysis rk_analysis_rise, rk_analysis_ldf, rk_analysis_pdf,
-    rk_analysis_relax, rk_analysis_surface;
+    rk_analysis_relax, rk_analysis_surface, rk_analysis_resonance;
 
 /* Add an interval as three scalars: the estimate as names[0], its ends as names[1] and names[2],
  * each times `factor`. */
@@ -51,10 +72,15 @@ void rk_analysis_add_interval(struct rk_result *result, const char *const names[
                               const char *unit, const char *doc, const struct rk_interval *x,
                               double factor);
 
-/* "0.056 [0.048, 0.069]", "0.056 (no interval)" where the ends are not finite, "refused" where it
- * is not a number. */
+/* "0.056 [0.048, 0.069]"; "0.056 (at least 0.048)" or "(at most 0.069)" where the other end is
+ * infinite, with the bound alone where the estimate is no number; "0.056 (no interval)" without
+ * either end, "refused" without anything. */
 void rk_analysis_say_interval(char *text, size_t size, int digits, double x, double low,
                               double high);
+
+/* The same of the interval `name`, `name`_low, `name`_high of a result. */
+void rk_analysis_say(char *text, size_t size, int digits, const struct rk_result *result,
+                     const char *name);
 
 /* A line of the interval `name`, `name`_low, `name`_high: its name in `width` columns, the numbers,
  * the doc. */

@@ -3,20 +3,8 @@
 #include "ensemble/analysis/private.h"
 #include "stats/stats.h"
 
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-void rk_notice_say(const struct rk_notice *notice, const char *format, ...) {
-    if (notice && notice->say) {
-        char line[900];
-        va_list arguments;
-        va_start(arguments, format);
-        vsnprintf(line, sizeof line, format, arguments);
-        va_end(arguments);
-        notice->say(notice->context, line);
-    }
-}
 
 /* The runs of a point, and how an analysis sees them. */
 struct gathered_point {
@@ -28,46 +16,75 @@ struct gathered_point {
 static enum rk_status gather(struct gathered_point *point, const char *folder,
                              const struct rk_plan *plan, size_t p, const struct rk_notice *notice,
                              struct rk_error *err) {
-    const struct rk_study *study = plan->study;
-    struct rk_gathered *g = &point->g;
-    struct rk_schedule schedule = study->scene->schedule(study->points[p].params);
-    enum rk_status status = rk_gather(folder, plan, p, RK_REPORT_OBSERVABLE, notice, g, err);
-    point->series =
-        (struct rk_series){g->values, g->done, g->samples, g->samples, g->lengths, g->interval};
-    point->data = (struct rk_point_data){
-        .point = study->points[p].name,
-        .series = &point->series,
-        .samples_per_period = schedule.samples_per_period,
-        .period = schedule.period,
-        .stream = rk_stream_of(study->seed, study->points[p].key, 0, RK_FOR_BOOTSTRAP, 0),
-    };
+    enum rk_status status =
+        rk_gather(folder, plan, p, RK_REPORT_OBSERVABLE, notice, &point->g, err);
+    point->data = rk_gathered_data(plan, p, &point->g, &point->series);
     return status;
 }
 
 /* A refusal is an outcome; only a shortage of memory ends the whole report. */
-static enum rk_status estimate(const struct gathered_point *point, const struct rk_request *request,
-                               struct rk_outcome *outcome, struct rk_error *err) {
-    const struct rk_gathered *g = &point->g;
-    struct rk_error reason = RK_NO_ERROR;
-    enum rk_status status =
-        g->done > 0 ? request->analysis->methods->estimate(request->params, &point->data,
-                                                           &outcome->result, &reason)
-                    : rk_fail(&reason, RK_EREFUSED, "no run of this point is done");
-    outcome->point = point->data.point;
-    outcome->used = g->done;
-    outcome->failed = g->failed;
-    outcome->missing = g->missing;
-    outcome->retried = g->retried;
+static enum rk_status settle(struct rk_outcome *outcome, enum rk_status status,
+                             const struct rk_error *reason, struct rk_error *err) {
     if (status == RK_EMEMORY || outcome->result.short_of_memory) {
         return rk_fail(err, RK_EMEMORY, "out of memory in the analysis of point %s",
-                       point->data.point);
+                       outcome->point);
     }
     if (status != RK_OK) {
         rk_result_clear(&outcome->result);
         outcome->result.refused = true;
-        snprintf(outcome->result.verdict, sizeof outcome->result.verdict, "%s", reason.message);
+        snprintf(outcome->result.verdict, sizeof outcome->result.verdict, "%s", reason->message);
     }
     return RK_OK;
+}
+
+static void count(struct rk_outcome *outcome, const struct rk_gathered *g) {
+    outcome->used += g->done;
+    outcome->failed += g->failed;
+    outcome->missing += g->missing;
+    outcome->retried += g->retried;
+}
+
+static enum rk_status estimate(const struct gathered_point *point, const struct rk_request *request,
+                               struct rk_outcome *outcome, struct rk_error *err) {
+    struct rk_error reason = RK_NO_ERROR;
+    enum rk_status status =
+        point->g.done > 0 ? request->analysis->methods->estimate(request->params, &point->data,
+                                                                 &outcome->result, &reason)
+                          : rk_fail(&reason, RK_EREFUSED, "no run of this point is done");
+    outcome->point = point->data.point;
+    count(outcome, &point->g);
+    return settle(outcome, status, &reason, err);
+}
+
+/* One point for one analysis: its own estimate, or what it adds to that of all points. */
+static enum rk_status take(struct rk_report_entry *entry, const struct gathered_point *point,
+                           size_t p, struct rk_error *err) {
+    const struct rk_request *request = entry->request;
+    if (request->analysis->methods->estimate) {
+        return estimate(point, request, &entry->outcomes[p], err);
+    }
+    count(&entry->outcomes[0], &point->g);
+    return request->analysis->methods->add(request->params, &point->data, &entry->values, err);
+}
+
+/* The analyses of all points together. */
+static enum rk_status estimate_all(struct rk_report *report, struct rk_error *err) {
+    struct rk_stream stream = rk_stream_of(report->plan->study->seed, 0, 0, RK_FOR_BOOTSTRAP, 0);
+    enum rk_status status = RK_OK;
+    for (size_t i = 0; i < report->count && status == RK_OK; i++) {
+        struct rk_report_entry *entry = &report->entries[i];
+        const struct rk_request *request = entry->request;
+        if (request->analysis->methods->estimate_all) {
+            struct rk_error reason = RK_NO_ERROR;
+            struct rk_outcome *outcome = &entry->outcomes[0];
+            status = request->analysis->methods->estimate_all(request->params, &entry->values,
+                                                              &stream, &outcome->result, &reason);
+            outcome->point = "all";
+            status = settle(outcome, status, &reason, err);
+            rk_point_values_clear(&entry->values);
+        }
+    }
+    return status;
 }
 
 /* The first point stays in memory: others may be compared with it. */
@@ -82,14 +99,16 @@ static enum rk_status fill(const char *folder, const struct rk_notice *notice,
         status = gather(point, folder, plan, p, notice, err);
         point->data.reference = p > 0 && first.g.done > 0 ? &first.data : NULL;
         for (size_t i = 0; i < report->count && status == RK_OK; i++) {
-            status =
-                estimate(point, report->entries[i].request, &report->entries[i].outcomes[p], err);
+            status = take(&report->entries[i], point, p, err);
         }
         report->used += point->g.done;
         failed += point->g.failed;
         rk_gathered_clear(&other.g);
     }
     rk_gathered_clear(&first.g);
+    if (status == RK_OK) {
+        status = estimate_all(report, err);
+    }
     if (status == RK_OK && report->used == 0 && failed > 0) {
         return rk_fail(err, RK_EIO,
                        "no run of this study can be used: %zu of %zu failed; 'reckon status' says "
@@ -123,9 +142,15 @@ static enum rk_status set_up(struct rk_report *report, struct rk_error *err) {
         } else {
             snprintf(entry->label, sizeof entry->label, "%s", name);
         }
-        entry->outcomes = calloc(study->point_count, sizeof *entry->outcomes);
+        bool together = entry->request->analysis->methods->estimate_all != NULL;
+        entry->outcome_count = together ? 1 : study->point_count;
+        entry->outcomes = calloc(entry->outcome_count, sizeof *entry->outcomes);
         if (!entry->outcomes) {
             return rk_fail(err, RK_EMEMORY, "out of memory");
+        }
+        if (together && rk_point_values_create(&entry->values, study->point_count,
+                                               report->plan->count, err) != RK_OK) {
+            return err ? err->status : RK_EMEMORY;
         }
     }
     return RK_OK;
@@ -160,11 +185,12 @@ void rk_report_free(struct rk_report *report) {
         return;
     }
     for (size_t i = 0; report->entries && i < report->count; i++) {
-        struct rk_outcome *outcomes = report->entries[i].outcomes;
-        for (size_t p = 0; outcomes && p < report->plan->study->point_count; p++) {
-            rk_result_clear(&outcomes[p].result);
+        struct rk_report_entry *entry = &report->entries[i];
+        for (size_t p = 0; entry->outcomes && p < entry->outcome_count; p++) {
+            rk_result_clear(&entry->outcomes[p].result);
         }
-        free(outcomes);
+        free(entry->outcomes);
+        rk_point_values_clear(&entry->values);
     }
     free(report->entries);
     free(report->targets);

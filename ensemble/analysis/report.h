@@ -7,6 +7,7 @@
 #ifndef RK_ENSEMBLE_ANALYSIS_REPORT_H
 #define RK_ENSEMBLE_ANALYSIS_REPORT_H
 
+#include "ensemble/analysis/private.h"
 #include "ensemble/analysis/result.h"
 #include "ensemble/analysis/target.h"
 #include "ensemble/study.h"
@@ -19,7 +20,9 @@
 struct rk_report_entry {
     char label[RK_NAME]; /* "ldf"; "ldf-2" for the second of a kind */
     const struct rk_request *request;
-    struct rk_outcome *outcomes; /* [points of the study] */
+    struct rk_outcome *outcomes; /* of every point, or one of "all" together */
+    size_t outcome_count;
+    struct rk_point_values values; /* for what is estimated from all points */
 };
 
 struct rk_report {
@@ -53,6 +56,10 @@ enum rk_status rk_gather(const char *folder, const struct rk_plan *plan, size_t 
                          const char *observable, const struct rk_notice *notice,
                          struct rk_gathered *g, struct rk_error *err);
 void rk_gathered_clear(struct rk_gathered *g);
+
+/* As an analysis sees it; the series is kept in *series, and both point into g. */
+struct rk_point_data rk_gathered_data(const struct rk_plan *plan, size_t point,
+                                      const struct rk_gathered *g, struct rk_series *series);
 
 /* Carry out the study's analyses on the runs that are done. *report is the caller's; it points
  * into the plan. RK_EIO when no run is done; RK_EMEMORY. */

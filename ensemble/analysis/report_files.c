@@ -21,7 +21,7 @@ struct page {
 };
 
 static void write_summary(const struct page *page, FILE *out) {
-    rk_outcomes_write_csv(page->entry->outcomes, page->report->plan->study->point_count, out);
+    rk_outcomes_write_csv(page->entry->outcomes, page->entry->outcome_count, out);
 }
 
 static void write_columns(const struct page *page, FILE *out) {
@@ -81,7 +81,7 @@ static enum rk_status draw_entry(const struct page *page, const char *folder,
     char files[RK_PANELS_MAX][3 * RK_NAME];
     char title[256];
     size_t count = 0, all = 0;
-    for (size_t p = 0; p < study->point_count; p++) {
+    for (size_t p = 0; p < page->entry->outcome_count; p++) {
         const struct rk_outcome *o = &page->entry->outcomes[p];
         bool drawn = rk_result_rows(&o->result) > 0;
         all += drawn;
@@ -117,7 +117,7 @@ static enum rk_status write_entry(const struct rk_report *report,
     char name[3 * RK_NAME];
     snprintf(name, sizeof name, "%s.csv", entry->label);
     enum rk_status status = write_file(folder, name, &page, err);
-    for (size_t p = 0; p < report->plan->study->point_count && status == RK_OK; p++) {
+    for (size_t p = 0; p < entry->outcome_count && status == RK_OK; p++) {
         const struct rk_outcome *o = &entry->outcomes[p];
         if (rk_result_rows(&o->result) > 0) {
             page.write = write_columns;

@@ -38,13 +38,12 @@ static void write_outcome(struct rk_h5 *h5, hid_t parent, const struct rk_outcom
     rk_h5_release(h5, group);
 }
 
-static void write_entry(struct rk_h5 *h5, hid_t parent, const struct rk_report *report,
-                        const struct rk_report_entry *entry) {
+static void write_entry(struct rk_h5 *h5, hid_t parent, const struct rk_report_entry *entry) {
     const struct rk_analysis *analysis = entry->request->analysis;
     hid_t group = rk_h5_group(h5, parent, entry->label);
     rk_h5_note(h5, group, "analysis", analysis->piece.name);
     rk_provenance_notes(h5, group, analysis->params, entry->request->params);
-    for (size_t p = 0; p < report->plan->study->point_count; p++) {
+    for (size_t p = 0; p < entry->outcome_count; p++) {
         write_outcome(h5, group, &entry->outcomes[p]);
     }
     rk_h5_release(h5, group);
@@ -81,7 +80,7 @@ static void write_report(struct rk_h5 *h5, const void *context) {
     const struct rk_report *report = context;
     hid_t group = rk_h5_group(h5, h5->file, "analysis");
     for (size_t i = 0; i < report->count; i++) {
-        write_entry(h5, group, report, &report->entries[i]);
+        write_entry(h5, group, &report->entries[i]);
     }
     if (report->targets) {
         write_until(h5, group, report);

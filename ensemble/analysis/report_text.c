@@ -26,8 +26,8 @@ static void print_params(const struct rk_request *request, FILE *out) {
 }
 
 /* The level of the intervals, as the results carry it; NaN when every point is refused. */
-static double level_of(const struct rk_report_entry *entry, const struct rk_study *study) {
-    for (size_t p = 0; p < study->point_count; p++) {
+static double level_of(const struct rk_report_entry *entry) {
+    for (size_t p = 0; p < entry->outcome_count; p++) {
         if (!entry->outcomes[p].result.refused) {
             return rk_result_number(&entry->outcomes[p].result, "level");
         }
@@ -39,7 +39,7 @@ static void print_entry(const struct rk_report_entry *entry, const struct rk_stu
                         FILE *out) {
     const struct rk_analysis_methods *methods = entry->request->analysis->methods;
     int width = point_width(study);
-    double level = level_of(entry, study);
+    double level = level_of(entry);
     fprintf(out, "%s: %s", entry->label, methods->title);
     if (!isnan(level)) {
         fprintf(out, ", with %g %% intervals", 100 * level);
@@ -48,7 +48,7 @@ static void print_entry(const struct rk_report_entry *entry, const struct rk_stu
     print_params(entry->request, out);
     fprintf(out, ")\n  %-*s  %5s %6s %7s  %s\n", width, "point", "used", "failed", "missing",
             methods->head);
-    for (size_t p = 0; p < study->point_count; p++) {
+    for (size_t p = 0; p < entry->outcome_count; p++) {
         const struct rk_outcome *o = &entry->outcomes[p];
         fprintf(out, "  %-*s  %5zu %6zu %7zu  ", width, o->point, o->used, o->failed, o->missing);
         if (o->result.refused) {
@@ -58,7 +58,7 @@ static void print_entry(const struct rk_report_entry *entry, const struct rk_stu
         }
         fputc('\n', out);
     }
-    for (size_t p = 0; p < study->point_count; p++) {
+    for (size_t p = 0; p < entry->outcome_count; p++) {
         const struct rk_outcome *o = &entry->outcomes[p];
         if (o->retried > 0) {
             fprintf(out, "  %s: %zu of %zu replicas %s run with smaller time steps after failing\n",
@@ -78,9 +78,7 @@ void rk_report_print(const struct rk_report *report, double rate, FILE *out) {
     rk_target_print(report->plan, report->targets, rate, out);
 }
 
-static void write_entry(const struct rk_report *report, const struct rk_report_entry *entry,
-                        struct rk_json *json) {
-    const struct rk_study *study = report->plan->study;
+static void write_entry(const struct rk_report_entry *entry, struct rk_json *json) {
     const struct rk_param_table *table = entry->request->analysis->params;
     size_t total = rk_param_total(table);
     rk_json_text(json, "analysis", entry->request->analysis->piece.name);
@@ -92,7 +90,7 @@ static void write_entry(const struct rk_report *report, const struct rk_report_e
     }
     rk_json_close(json);
     rk_json_open_list(json, "points");
-    for (size_t p = 0; p < study->point_count; p++) {
+    for (size_t p = 0; p < entry->outcome_count; p++) {
         const struct rk_outcome *o = &entry->outcomes[p];
         rk_json_open_map(json, NULL);
         rk_json_text(json, "point", o->point);
@@ -119,7 +117,7 @@ void rk_report_entry_json(const struct rk_report *report, const struct rk_report
     struct rk_json json = rk_json_of(out);
     rk_json_open_map(&json, NULL);
     write_study(report, &json);
-    write_entry(report, entry, &json);
+    write_entry(entry, &json);
     rk_json_close(&json);
 }
 
@@ -130,7 +128,7 @@ void rk_report_print_json(const struct rk_report *report, double rate, FILE *out
     rk_json_open_map(&json, "analyses");
     for (size_t i = 0; i < report->count; i++) {
         rk_json_open_map(&json, report->entries[i].label);
-        write_entry(report, &report->entries[i], &json);
+        write_entry(&report->entries[i], &json);
         rk_json_close(&json);
     }
     rk_json_close(&json);

@@ -1,19 +1,22 @@
-/* Resonance curves as results. */
+/* Resonance: the rise rate of every point of a study, or of any rates, against the period. */
 #ifndef RK_ENSEMBLE_ANALYSIS_RESONANCE_H
 #define RK_ENSEMBLE_ANALYSIS_RESONANCE_H
 
-#include "ensemble/analysis.h"
-#include "ensemble/analysis/result.h"
+#include "ensemble/analysis/private.h"
 #include "stats/resonance.h"
 
-/* Units of period and rate: constant texts. */
-void rk_resonance_fill(struct rk_result *result, const struct rk_resonance *resonance,
-                       const char *period, const char *rate);
+/* Add a point: the rise rate of each of its replicas between two periods, to = 0 being the end. One
+ * that is not longer than `from` has none. */
+void rk_resonance_add(struct rk_point_values *rates, const struct rk_point_data *data,
+                      uint64_t from, uint64_t to);
+
+/* The estimate as results; units of period and rate are constant texts. */
+enum rk_status rk_resonance_result(struct rk_result *result, const struct rk_point_values *rates,
+                                   const struct rk_resonance_options *options,
+                                   const struct rk_stream *stream, const char *period,
+                                   const char *rate, struct rk_error *err);
 
 /* What a reader looks for first, as lines of text. */
 void rk_resonance_print(const struct rk_result *result, FILE *out);
-
-/* Draws such a result; not an analysis of one point of a study, for it takes all of them. */
-extern const struct rk_analysis rk_drawing_resonance;
 
 #endif

@@ -110,34 +110,14 @@ static enum rk_status estimate(const void *params, const struct rk_point_data *d
 
 /* ---- Words and pictures -------------------------------------------------------------------- */
 
-/* "12 [9, 20]"; an end that the replicas do not reach is "?", and without an estimate only the
- * bound is left, "> 9". */
-static void say(char *text, size_t size, const struct rk_result *result, const char *name) {
-    char low_name[32], high_name[32], end[32] = "?";
-    snprintf(low_name, sizeof low_name, "%s_low", name);
-    snprintf(high_name, sizeof high_name, "%s_high", name);
-    double x = rk_result_number(result, name), low = rk_result_number(result, low_name);
-    double high = rk_result_number(result, high_name);
-    if (isfinite(high)) {
-        snprintf(end, sizeof end, "%.3g", high);
-    }
-    if (isfinite(x)) {
-        snprintf(text, size, "%.3g [%.3g, %s]", x, low, end);
-    } else if (isfinite(low)) {
-        snprintf(text, size, "> %.3g", low);
-    } else {
-        snprintf(text, size, "refused");
-    }
-}
-
 static const char head[] = "reached   median [periods]      mean [periods]";
 
 static void headline(const struct rk_result *result, FILE *out) {
     char share[48], median[96], mean[96];
     snprintf(share, sizeof share, "%.0f of %.0f", rk_result_number(result, "reached"),
              rk_result_number(result, "replicas"));
-    say(median, sizeof median, result, "median");
-    say(mean, sizeof mean, result, "mean");
+    rk_analysis_say(median, sizeof median, 3, result, "median");
+    rk_analysis_say(mean, sizeof mean, 3, result, "mean");
     fprintf(out, "%-9s %-21s %s", share, median, mean);
 }
 
@@ -152,7 +132,7 @@ static void picture(const struct rk_picture *p, FILE *out) {
         const struct rk_result *r = panel->result;
         const char *colour = rk_plot_colour(i);
         char median[96];
-        say(median, sizeof median, r, "median");
+        rk_analysis_say(median, sizeof median, 3, r, "median");
         rk_plot_panel(p, i, "share of the replicas that are not there yet", out);
         fprintf(out,
                 "set title \"%s: to %.6g d, median %s%s\" noenhanced\n"
@@ -168,7 +148,7 @@ static void picture(const struct rk_picture *p, FILE *out) {
                 rk_result_number(r, "reached"), rk_result_number(r, "replicas"));
         if (isfinite(rk_result_number(r, "mean"))) {
             char mean[96];
-            say(mean, sizeof mean, r, "mean");
+            rk_analysis_say(mean, sizeof mean, 3, r, "mean");
             fprintf(out,
                     ", \\\n  exp(-x/%.17g) with lines linewidth 2 dashtype 2 linecolor rgb "
                     "\"#000000\" title \"constant chance, mean %s periods\"",

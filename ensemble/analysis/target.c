@@ -24,7 +24,6 @@ static enum rk_status estimate(const struct rk_plan *plan, size_t p, const struc
     const struct rk_study *study = plan->study;
     const struct rk_until *until = &study->until;
     const struct rk_point *point = &study->points[p];
-    struct rk_schedule schedule = study->scene->schedule(point->params);
     size_t count = left_out < g->done ? g->done - 1 : g->done;
     double *values = rk_array_create(count * g->samples, sizeof *values);
     size_t *lengths = rk_array_create(count, sizeof *lengths);
@@ -41,14 +40,13 @@ static enum rk_status estimate(const struct rk_plan *plan, size_t p, const struc
             lengths[to++] = g->lengths[r];
         }
     }
-    struct rk_series series = {values, count, g->samples, g->samples, lengths, g->interval};
-    struct rk_point_data data = {
-        .point = point->name,
-        .series = &series,
-        .samples_per_period = schedule.samples_per_period,
-        .period = schedule.period,
-        .stream = rk_stream_of(study->seed, point->key, 0, RK_FOR_BOOTSTRAP, 0),
-    };
+    const struct rk_gathered some = {.values = values,
+                                     .lengths = lengths,
+                                     .samples = g->samples,
+                                     .done = count,
+                                     .interval = g->interval};
+    struct rk_series series;
+    struct rk_point_data data = rk_gathered_data(plan, p, &some, &series);
     struct rk_result result;
     struct rk_error reason = RK_NO_ERROR;
     rk_result_init(&result);

@@ -3,6 +3,7 @@
 #include "ensemble/analysis/json.h"
 
 #include <stdio.h>
+#include <string.h>
 
 static void print(const struct rk_data_command *command, const struct rk_data_options *o,
                   const struct rk_data *data, const struct rk_result *result) {
@@ -23,6 +24,39 @@ static void print(const struct rk_data_command *command, const struct rk_data_op
     }
 }
 
+enum rk_status rk_data_check_time(const struct rk_data *data, uint64_t window, uint64_t from,
+                                  uint64_t to, struct rk_error *err) {
+    uint64_t longest = 0;
+    for (size_t r = 0; r < data->samples.replicas; r++) {
+        uint64_t length = data->samples.lengths[r];
+        longest = length > longest ? length : longest;
+    }
+    if (data->scale == 1 || longest == 0) {
+        return RK_OK;
+    }
+    unsigned long long periods = (longest - 1) / data->scale, end = to > 0 ? to : periods;
+    end = end < periods ? end : periods;
+    if (to > 0 && to <= from) {
+        return rk_fail(err, RK_EINVALID, "--to %llu must lie after --from %llu (periods)",
+                       (unsigned long long)to, (unsigned long long)from);
+    }
+    if (from >= periods) {
+        return rk_fail(err, RK_EINVALID, "--from %llu: there are %llu periods only",
+                       (unsigned long long)from, periods);
+    }
+    if (window > end - from) {
+        return rk_fail(err, RK_EINVALID,
+                       "a window of %llu periods does not fit between period %llu and period %llu",
+                       (unsigned long long)window, (unsigned long long)from, end);
+    }
+    return RK_OK;
+}
+
+void rk_data_print_picture(const char *path, const char *ending) {
+    int stem = (int)(strrchr(path, '.') - path); /* it ends in .png */
+    printf("picture    %.*s%s.png, script and table beside it (.gp, .csv)\n", stem, path, ending);
+}
+
 int rk_data_give(const struct rk_data_command *command, const char *operand,
                  const struct rk_data_options *o, const void *options, const struct rk_data *data) {
     struct rk_error err = RK_NO_ERROR;
@@ -41,6 +75,9 @@ int rk_data_give(const struct rk_data_command *command, const char *operand,
     }
     if (worth_printing) {
         print(command, o, data, &result);
+    }
+    if (o->plot && status == RK_OK && !o->json && !o->csv) {
+        rk_data_print_picture(o->plot, "");
     }
     if (status != RK_OK) {
         rk_error_locate(&err, "%s", operand);

@@ -29,9 +29,14 @@ struct rk_data {
     double interval;
     bool study;     /* it is of a study or a run: times are in sqrt(d/g) */
     bool integral;  /* as asked, or because it is the height of a study's intruder */
-    uint64_t scale; /* intervals in the unit that window, from and to are given in */
+    uint64_t scale; /* samples in the unit that window, from and to are given in: a period, or 1 */
     struct rk_stream stream;
 };
+
+/* Do from, to (0: the end) and a window fit into the data, all in periods? RK_EINVALID. Samples are
+ * left to the library, whose sentences are about samples. */
+enum rk_status rk_data_check_time(const struct rk_data *data, uint64_t window, uint64_t from,
+                                  uint64_t to, struct rk_error *err);
 
 struct rk_data_command {
     const struct rk_analysis *analysis; /* draws the picture */
@@ -74,13 +79,16 @@ enum rk_status rk_data_columns(const char *path, const char *const *names,
 int rk_data_give(const struct rk_data_command *command, const char *operand,
                  const struct rk_data_options *o, const void *options, const struct rk_data *data);
 
+/* Say what a picture at `path`, its name followed by `ending`, was drawn as. */
+void rk_data_print_picture(const char *path, const char *ending);
+
 /* The rows of struct rk_data_options, which is the member `data` of `type`. */
 #define RK_DATA_ROW(type, member) .offset = offsetof(struct type, data.member)
 /* clang-format off */
 #define RK_DATA_SPAN_ROWS(of)                                                                     \
     {.name = "from", .type = RK_OPTION_COUNT, RK_DATA_ROW(of, from), .argument = "N",             \
      .fallback = "0", .high = 1e9,                                                                \
-     .doc = "leave out what is before: samples, or periods of a study"},                          \
+     .doc = "leave out what is before: periods of a study or a run, else samples"},                          \
     {.name = "to", .type = RK_OPTION_COUNT, RK_DATA_ROW(of, to), .argument = "N",                 \
      .fallback = "0", .high = 1e9, .doc = "leave out what is after; 0 is the end"}
 #define RK_DATA_ROWS(of)                                                                          \
@@ -102,7 +110,7 @@ int rk_data_give(const struct rk_data_command *command, const char *operand,
 #define RK_DATA_WINDOW_ROWS(of, length)                                                           \
     {.name = "window", .letter = 'w', .type = RK_OPTION_COUNT, RK_DATA_ROW(of, window),           \
      .argument = "N", .fallback = length, .low = 1, .high = 1e9,                                  \
-     .doc = "length of the windows: samples, or periods of a study"},                             \
+     .doc = "length of the windows: periods of a study or a run, else samples"},                             \
     {.name = "integral", .letter = 'i', .type = RK_OPTION_FLAG, RK_DATA_ROW(of, integral),        \
      .doc = "the data are the observable's integral in time (a height for a velocity)"}
 #define RK_DATA_BOOTSTRAP_ROWS(of, count, least)                                                  \

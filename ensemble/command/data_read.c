@@ -103,6 +103,7 @@ static enum rk_status read_run(const char *operand, const struct rk_data_options
     *lengths = recorded.samples;
     data->samples = (struct rk_samples){recorded.values, lengths, 1, recorded.samples};
     data->interval = recorded.interval;
+    data->scale = recorded.samples_per_period > 0 ? recorded.samples_per_period : 1;
     data->integral = o->integral || strcmp(o->observable, RK_REPORT_OBSERVABLE) == 0;
     data->study = true;
     return RK_OK;

@@ -4,6 +4,7 @@
 #include "ensemble/command/ldf_parts.h"
 
 #include <stddef.h>
+#include <string.h>
 
 /* The first part that was asked for and refused. */
 static enum rk_status find_refusal(const struct rk_ldf_parts *parts, struct rk_error *err) {
@@ -20,6 +21,24 @@ static enum rk_status find_refusal(const struct rk_ldf_parts *parts, struct rk_e
     return RK_OK;
 }
 
+/* Ensembles that are one and the same do not differ, whatever a test makes of it. */
+static enum rk_status check_other(const struct rk_data *data, const struct rk_data *other,
+                                  struct rk_error *err) {
+    const struct rk_samples *a = &data->samples, *b = &other->samples;
+    bool same = a->replicas == b->replicas && a->samples == b->samples &&
+                data->interval == other->interval && data->integral == other->integral;
+    for (size_t r = 0; same && r < a->replicas; r++) {
+        same = a->lengths[r] == b->lengths[r] &&
+               memcmp(a->values + r * a->samples, b->values + r * b->samples,
+                      a->lengths[r] * sizeof *a->values) == 0;
+    }
+    return same ? rk_fail(err, RK_EINVALID,
+                          "--compare: '%.200s' holds the same data as '%.200s': two ensembles that "
+                          "do not know of each other are compared",
+                          other->name, data->name)
+                : RK_OK;
+}
+
 /* From the data to the answer; what is there is printed, whatever part is refused. */
 static enum rk_status answer(const struct rk_ldf_wish *o, struct rk_ldf_request *request,
                              const struct rk_data *data, const struct rk_data *other,
@@ -27,7 +46,14 @@ static enum rk_status answer(const struct rk_ldf_wish *o, struct rk_ldf_request 
     uint64_t windows[RK_LDF_WINDOWS_MOST];
     size_t count = 0;
     struct rk_ldf_parts parts = {0};
-    enum rk_status status = rk_ldf_wish_resolve(o, request, windows, &count, err);
+    enum rk_status status = other ? check_other(data, other, err) : RK_OK;
+    if (status == RK_OK) {
+        status = rk_ldf_wish_resolve(o, request, windows, &count, err);
+    }
+    for (size_t i = 0; i < count && status == RK_OK; i++) {
+        const struct rk_ldf_options *of = &request->options;
+        status = rk_data_check_time(data, windows[i], of->from, of->to, err);
+    }
     if (status == RK_OK) {
         status = rk_ldf_parts_make(&parts, o, &request->options, windows, count, data, other, err);
     }
@@ -35,6 +61,9 @@ static enum rk_status answer(const struct rk_ldf_wish *o, struct rk_ldf_request 
         enum rk_status drawn = o->data.plot ? rk_ldf_parts_plot(&parts, o->data.plot, err) : RK_OK;
         if (drawn != RK_EINVALID) { /* the numbers are there without the picture */
             rk_ldf_parts_print(&parts, o, data);
+        }
+        if (o->data.plot && drawn == RK_OK && !o->data.json && !o->data.csv) {
+            rk_ldf_parts_print_pictures(&parts, o->data.plot);
         }
         status = drawn != RK_OK ? drawn : find_refusal(&parts, err);
     }
@@ -99,7 +128,7 @@ static const struct rk_option options[] = {
      .argument = "N",
      .low = 1,
      .high = 1e9,
-     .doc = "length of the windows: samples, or periods of a study; the study's, or 5"},
+     .doc = "length of the windows: periods of a study or a run, else samples; the study's, or 5"},
     {.name = "windows",
      .type = RK_OPTION_TEXT,
      AT(windows),

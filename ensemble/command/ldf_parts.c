@@ -263,3 +263,11 @@ enum rk_status rk_ldf_parts_plot(const struct rk_ldf_parts *parts, const char *p
     }
     return status;
 }
+
+void rk_ldf_parts_print_pictures(const struct rk_ldf_parts *parts, const char *path) {
+    for (size_t i = 0; i < RK_LDF_PARTS; i++) {
+        if (is_there(parts, i) && about[i].draw) {
+            rk_data_print_picture(path, about[i].ending);
+        }
+    }
+}

@@ -65,7 +65,13 @@ static int unknown_command(const char *name) {
     return rk_complain(&err);
 }
 
-static int help(const char *name) {
+static int help(int count, char *const *names) {
+    const char *name = count > 0 ? names[0] : NULL;
+    if (count > 1) {
+        struct rk_error err = RK_NO_ERROR;
+        rk_fail(&err, RK_EINVALID, "too many operands; usage: reckon help [COMMAND | --man]");
+        return rk_complain(&err);
+    }
     if (!name || strcmp(name, "help") == 0 || strcmp(name, "--help") == 0) {
         print_help();
         return RK_EXIT_DONE;
@@ -109,7 +115,7 @@ static int carry_out(const struct rk_command *command, int argc, char *const *ar
 static int dispatch(int argc, char **argv) {
     const char *name = argc > 1 ? argv[1] : "--help";
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
-        return help(argc > 2 ? argv[2] : NULL);
+        return help(argc > 2 ? argc - 2 : 0, argv + 2);
     }
     if (strcmp(name, "--version") == 0) {
         print_version();

@@ -42,6 +42,10 @@ static enum rk_status estimate(const void *values, const struct rk_data *data,
         const struct rk_pdf_options fit = fit_options(o);
         return rk_pdf_counts_result(result, &input->histogram, &fit, err);
     }
+    enum rk_status status = rk_data_check_time(data, o->data.window, o->data.from, o->data.to, err);
+    if (status != RK_OK) {
+        return status;
+    }
     bool velocity = data->study && data->integral;
     const struct rk_pdf_request request = {
         .series = {s->values, s->replicas, s->samples, s->samples, s->lengths, data->interval},

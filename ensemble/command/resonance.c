@@ -14,34 +14,10 @@ struct resonance_options {
     const char *period, *rate;
 };
 
-/* The rates of the replicas, period by period. */
-struct curve {
-    double *period, *rate;
-    size_t *first;
-    size_t periods, room;
-};
-
 struct request {
     const struct resonance_options *options;
-    const struct curve *curve;
+    const struct rk_point_values *rates;
 };
-
-static void curve_clear(struct curve *curve) {
-    free(curve->period);
-    free(curve->rate);
-    free(curve->first);
-}
-
-static enum rk_status curve_create(struct curve *curve, size_t periods, size_t rates,
-                                   struct rk_error *err) {
-    *curve = (struct curve){.period = rk_array_create(periods, sizeof(double)),
-                            .rate = rk_array_create(rates, sizeof(double)),
-                            .first = rk_array_create(periods + 1, sizeof(size_t)),
-                            .room = rates};
-    return curve->period && curve->rate && curve->first
-               ? RK_OK
-               : rk_fail(err, RK_EMEMORY, "no memory for %zu rates", rates);
-}
 
 /* ---- From a file --------------------------------------------------------------------------- */
 
@@ -54,10 +30,10 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-static enum rk_status sort_rows(struct curve *curve, const double *period, const double *rate,
-                                size_t count, struct rk_error *err) {
+static enum rk_status sort_rows(struct rk_point_values *rates, const double *period,
+                                const double *rate, size_t count, struct rk_error *err) {
     struct row *rows = rk_array_create(count, sizeof *rows);
-    enum rk_status status = curve_create(curve, count, count, err);
+    enum rk_status status = rk_point_values_create(rates, count, count, err);
     if (!rows) {
         status = rk_fail(err, RK_EMEMORY, "no memory for %zu rows", count);
     }
@@ -68,10 +44,10 @@ static enum rk_status sort_rows(struct curve *curve, const double *period, const
         qsort(rows, count, sizeof *rows, compare);
         for (size_t i = 0; i < count; i++) {
             if (i == 0 || rows[i].period > rows[i - 1].period) {
-                curve->period[curve->periods++] = rows[i].period;
+                rates->at[rates->points++] = rows[i].period;
             }
-            curve->rate[i] = rows[i].rate;
-            curve->first[curve->periods] = i + 1;
+            rates->value[i] = rows[i].rate;
+            rates->first[rates->points] = i + 1;
         }
     }
     free(rows);
@@ -79,12 +55,12 @@ static enum rk_status sort_rows(struct curve *curve, const double *period, const
 }
 
 static enum rk_status read_file(const char *path, const struct resonance_options *o,
-                                struct curve *curve, struct rk_error *err) {
+                                struct rk_point_values *rates, struct rk_error *err) {
     const char *const wanted[2] = {o->period, o->rate};
     struct rk_samples columns[2];
     enum rk_status status = rk_data_columns(path, wanted, columns, 2, err);
     if (status == RK_OK) {
-        status = sort_rows(curve, columns[0].values, columns[1].values, columns[0].samples, err);
+        status = sort_rows(rates, columns[0].values, columns[1].values, columns[0].samples, err);
     }
     rk_samples_clear(&columns[0]);
     rk_samples_clear(&columns[1]);
@@ -98,43 +74,24 @@ static void warn(void *context, const char *line) {
     rk_warn("%s", line);
 }
 
-/* The rise rate of each replica of a point that is done, from its heights. */
-static enum rk_status add_point(struct curve *curve, const char *folder, const struct rk_plan *plan,
-                                size_t point, const struct resonance_options *o,
-                                struct rk_error *err) {
-    const struct rk_study *study = plan->study;
-    const struct rk_notice notice = {warn, NULL};
-    struct rk_schedule schedule = study->scene->schedule(study->points[point].params);
-    struct rk_gathered g = {0};
-    enum rk_status status = rk_gather(folder, plan, point, RK_REPORT_OBSERVABLE, &notice, &g, err);
-    size_t from = (size_t)(o->data.from * schedule.samples_per_period);
-    size_t to = (size_t)(o->data.to * schedule.samples_per_period), count = curve->first[point];
-    for (size_t r = 0; status == RK_OK && r < g.done; r++) {
-        size_t end = to > 0 && to < g.lengths[r] ? to : g.lengths[r] - 1;
-        if (end > from && count < curve->room) {
-            const double *height = g.values + r * g.samples;
-            double duration = (double)(end - from) * g.interval;
-            curve->rate[count++] = (height[end] - height[from]) / duration;
-        }
-    }
-    curve->period[point] = schedule.period;
-    curve->first[point + 1] = count;
-    curve->periods = point + 1;
-    rk_gathered_clear(&g);
-    return status;
-}
-
 static enum rk_status read_folder(const char *folder, struct rk_study *study,
-                                  const struct resonance_options *o, struct curve *curve,
+                                  const struct resonance_options *o, struct rk_point_values *rates,
                                   struct rk_error *err) {
+    const struct rk_notice notice = {warn, NULL};
     struct rk_plan *plan = NULL;
     enum rk_status status = rk_command_plan_folder(folder, study, &plan, err);
     if (status == RK_OK) {
-        status = curve_create(curve, study->point_count,
-                              study->point_count * (size_t)study->replicas, err);
+        status = rk_point_values_create(rates, study->point_count, plan->count, err);
     }
     for (size_t p = 0; status == RK_OK && p < study->point_count; p++) {
-        status = add_point(curve, folder, plan, p, o, err);
+        struct rk_gathered g = {0};
+        struct rk_series series;
+        status = rk_gather(folder, plan, p, RK_REPORT_OBSERVABLE, &notice, &g, err);
+        if (status == RK_OK) {
+            struct rk_point_data data = rk_gathered_data(plan, p, &g, &series);
+            rk_resonance_add(rates, &data, o->data.from, o->data.to);
+        }
+        rk_gathered_clear(&g);
     }
     rk_plan_free(plan);
     return status;
@@ -145,18 +102,10 @@ static enum rk_status read_folder(const char *folder, struct rk_study *study,
 static enum rk_status estimate(const void *values, const struct rk_data *data,
                                struct rk_result *result, struct rk_error *err) {
     const struct request *request = values;
-    const struct curve *c = request->curve;
-    const struct rk_resonance_data input = {c->period, c->rate, c->first, c->periods};
     const struct rk_data_options *o = &request->options->data;
     const struct rk_resonance_options options = {o->level, o->bootstrap};
-    struct rk_resonance *resonance;
-    enum rk_status status = rk_resonance_estimate(&resonance, &input, &options, &data->stream, err);
-    if (status == RK_OK) {
-        rk_resonance_fill(result, resonance, data->study ? "sqrt(d/g)" : "",
-                          data->study ? "sqrt(g d)" : "");
-        rk_resonance_free(resonance);
-    }
-    return status;
+    return rk_resonance_result(result, request->rates, &options, &data->stream,
+                               data->study ? "sqrt(d/g)" : "", data->study ? "sqrt(g d)" : "", err);
 }
 
 static enum rk_status check_options(const struct resonance_options *o, bool folder,
@@ -180,11 +129,11 @@ static enum rk_status check_options(const struct resonance_options *o, bool fold
 
 static int resonance(const void *options, size_t count, char *const *operands) {
     static const struct rk_data_command command = {
-        &rk_drawing_resonance, "resonance", "period", false, estimate, rk_resonance_print};
+        &rk_analysis_resonance, "resonance", "period", false, estimate, rk_resonance_print};
     const struct resonance_options *o = options;
     struct rk_error err = RK_NO_ERROR;
     struct rk_study *study = NULL;
-    struct curve curve = {0};
+    struct rk_point_values rates = {0};
     struct stat about;
     bool there = stat(operands[0], &about) == 0, folder = there && S_ISDIR(about.st_mode);
     (void)count;
@@ -202,14 +151,14 @@ static int resonance(const void *options, size_t count, char *const *operands) {
             return code;
         }
     }
-    enum rk_status status = folder ? read_folder(operands[0], study, o, &curve, &err)
-                                   : read_file(operands[0], o, &curve, &err);
+    enum rk_status status = folder ? read_folder(operands[0], study, o, &rates, &err)
+                                   : read_file(operands[0], o, &rates, &err);
     int code;
     if (status == RK_OK) {
-        const struct request request = {o, &curve};
+        const struct request request = {o, &rates};
         const struct rk_data data = {
             .name = operands[0],
-            .samples.replicas = curve.first[curve.periods],
+            .samples.replicas = rates.first[rates.points],
             .interval = 1,
             .study = folder,
             .stream = rk_stream_of(study ? study->seed : o->data.seed, 0, 0, RK_FOR_BOOTSTRAP, 0)};
@@ -219,7 +168,7 @@ static int resonance(const void *options, size_t count, char *const *operands) {
         code = rk_complain(&err);
         code = err.status == RK_EIO && !folder ? RK_EXIT_USAGE : code;
     }
-    curve_clear(&curve);
+    rk_point_values_clear(&rates);
     rk_study_free(study);
     return code;
 }

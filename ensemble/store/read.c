@@ -30,12 +30,20 @@ static bool has_group(struct rk_h5 *h5, char *path) {
     return rk_h5_has(h5, path);
 }
 
+/* `run.samples`, which every case has. */
+static uint64_t samples_per_period(struct rk_h5 *h5) {
+    char path[] = "parameters/run/samples";
+    double samples = has_group(h5, path) ? rk_h5_read_scalar(h5, path) : 0;
+    return samples >= 1 && samples <= 1e9 ? (uint64_t)samples : 0;
+}
+
 static void read_group(struct rk_h5 *h5, const char *group, struct rk_observable *out) {
     char path[256];
     snprintf(path, sizeof path, "%s/time", group);
     out->interval = rk_h5_read_scalar(h5, path);
     snprintf(path, sizeof path, "%s/value", group);
     rk_h5_read_list(h5, path, &out->values, &out->samples);
+    out->samples_per_period = samples_per_period(h5);
 }
 
 static enum rk_status read_observable(const char *path, const char *name, struct rk_observable *out,

@@ -1,4 +1,5 @@
 /* The precision that a study asks for. */
+#include "ensemble/analysis/private.h"
 #include "ensemble/study/private.h"
 
 #include "ensemble/analysis/private.h"
@@ -77,7 +78,15 @@ static enum rk_status find_request(struct rk_spot map, struct rk_study *study,
                              "until: name one of the study's analyses ('analysis: rise')");
     }
     for (size_t i = 0; i < study->request_count; i++) {
-        if (strcmp(study->requests[i].analysis->piece.name, at.node->text) == 0) {
+        const struct rk_analysis *analysis = study->requests[i].analysis;
+        bool found = strcmp(analysis->piece.name, at.node->text) == 0;
+        if (found && !analysis->methods->estimate) {
+            return rk_spot_wrong(at, err,
+                                 "until: '%.64s' is of all points together, a target is met point "
+                                 "by point",
+                                 at.node->text);
+        }
+        if (found) {
             study->until.request = &study->requests[i];
             return RK_OK;
         }
@@ -96,6 +105,10 @@ static enum rk_status check_quantity(struct rk_spot at, const struct rk_until *u
     const struct rk_analysis *analysis = until->request->analysis;
     const char *const *names = analysis->methods->quantities;
     size_t count = 0;
+    if (analysis->methods->estimate_all) {
+        return rk_spot_wrong(at, err, "until: %s is one estimate of all points, not one of each",
+                             analysis->piece.name);
+    }
     for (; names && names[count]; count++) {
         if (strcmp(names[count], until->quantity) == 0) {
             return RK_OK;

@@ -9,13 +9,11 @@
  * for they differ: but not in the two "frozen" scenes, which are the shaken frictional one with a
  * time step so small that nothing moves. "With probes" is sampled by all probes as often as a run
  * is by default, ten times a period. */
-#include "cases/bne/bne.h"
+#include "bench_kit.h"
 
-#include <gsl/gsl_math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { MOST = 101, COLUMNS_MAX = 64 };
 
@@ -53,22 +51,6 @@ struct options {
     unsigned long warm, steps, repeat;
 };
 
-static double cpu_seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static int by_size(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, size_t count) {
-    qsort(values, count, sizeof *values, by_size);
-    return values[count / 2];
-}
-
 static struct rk_bne bne_of(const struct variant *v, const struct options *o) {
     struct rk_bne bne;
     rk_param_defaults(rk_case_bne.params, &bne);
@@ -87,15 +69,6 @@ static struct rk_bne bne_of(const struct variant *v, const struct options *o) {
 static enum rk_status rebuild(struct variant *v, const struct rk_bne *bne,
                               const struct rk_scene *other, struct rk_error *err) {
     struct rk_scene_spec spec = *rk_scene_spec(other);
-    const double w = 2 * M_PI / bne->drive.period;
-    const struct rk_wall_spec plate = {
-        .normal = {0, 1},
-        .friction = true,
-        .drive = {.kind = rk_registry_find(&rk_drive_registry, "sinusoid"),
-                  .amplitude = bne->drive.acceleration / (w * w),
-                  .period = bne->drive.period,
-                  .phase = w * rk_scene_time(other),
-                  .direction = {0, 1}}};
     spec.ledger = v->ledger;
     spec.contact = bne->contact;
     spec.dt = v->frozen ? FROZEN_STEP : spec.dt;
@@ -108,14 +81,7 @@ static enum rk_status rebuild(struct variant *v, const struct rk_bne *bne,
         struct rk_material same = rk_contact_material(&spec.contact, spec.gamma);
         status = rk_scene_add_material(v->scene, &same, &second, err);
     }
-    status = status ? status : rk_scene_add_wall(v->scene, &plate, err);
-    for (uint32_t i = 0; status == RK_OK && i < rk_scene_grains(other); i++) {
-        struct rk_grain grain;
-        status = rk_scene_grain(other, i, &grain, err);
-        grain.material = i % 2 ? second : 0;
-        status = status ? status : rk_scene_add_grain(v->scene, &grain, err);
-    }
-    return status;
+    return status ? status : bench_tile(bne, other, 1, second, v->scene, err);
 }
 
 /* The first variant comes first. */
@@ -169,11 +135,11 @@ static enum rk_status measure(const struct options *o, struct rk_error *err) {
     for (unsigned long r = 0; r < o->repeat; r++) {
         for (int k = 0; status == RK_OK && k < VARIANTS; k++) {
             struct variant *v = &variants[k];
-            double begin = cpu_seconds();
+            double begin = bench_cpu_seconds();
             status = v->probes ? step_with_probes(v->scene, o->steps, err)
                                : rk_scene_step(v->scene, o->steps, err);
-            v->cost[r] =
-                (cpu_seconds() - begin) / (double)o->steps / (double)rk_scene_grains(v->scene);
+            v->cost[r] = (bench_cpu_seconds() - begin) / (double)o->steps /
+                         (double)rk_scene_grains(v->scene);
             v->ratio[r] = v->cost[r] / variants[0].cost[r];
         }
     }
@@ -194,9 +160,9 @@ static void print(const struct options *o) {
            "per contact", "bytes/grain");
     for (int k = 0; k < VARIANTS; k++) {
         struct variant *v = &variants[k];
-        double contacts = contacts_of(v, o), ratio = median(v->ratio, o->repeat);
+        double contacts = contacts_of(v, o), ratio = bench_median(v->ratio, o->repeat);
         printf("%-16s %14.1f %9.2f %10.2f %12.2f %12.0f\n", v->name,
-               1e9 * median(v->cost, o->repeat), ratio, contacts, ratio * usual / contacts,
+               1e9 * bench_median(v->cost, o->repeat), ratio, contacts, ratio * usual / contacts,
                (double)rk_scene_memory(v->scene) / (double)rk_scene_grains(v->scene));
     }
     const struct variant *rough = &variants[VARIANTS - 2], *smooth = &variants[VARIANTS - 1];
@@ -205,7 +171,7 @@ static void print(const struct options *o) {
         same[r] = smooth->cost[r] / rough->cost[r];
     }
     printf("without friction over with friction, the same configuration: %.2f\n",
-           median(same, o->repeat));
+           bench_median(same, o->repeat));
 }
 
 static struct options read_options(int argc, char **argv) {

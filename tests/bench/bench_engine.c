@@ -7,7 +7,7 @@
  * Settles the bed, shakes it for --warm steps, then times --steps steps by CPU time, --repeat
  * times, and prints the median. The defaults are the periodic scene of Martins 2021 (2500 grains,
  * W = 28, Gamma = 1.5, T = 25000 steps), warm-up of one period, measured over one period. */
-#include "cases/bne/bne.h"
+#include "bench_kit.h"
 
 #include <gsl/gsl_math.h>
 #include <stdio.h>
@@ -21,12 +21,6 @@ struct options {
     unsigned long warm, steps, repeat;
     const char *kernel;
 };
-
-static uint64_t thread_nanoseconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
-}
 
 static uint64_t ticks(void) {
     return __builtin_ia32_rdtsc();
@@ -125,7 +119,7 @@ static enum rk_status make_scene(const struct options *o, struct rk_scene **scen
                                  struct rk_error *err) {
     struct rk_preparation report = {0};
     struct rk_stream stream = rk_stream_of(1, 0, 0, RK_FOR_GRAINS, 0);
-    uint64_t begin = thread_nanoseconds();
+    uint64_t begin = bench_cpu_nanoseconds();
     enum rk_status status = rk_case_bne.check(&o->bne, err);
     if (status == RK_OK) {
         status = rk_case_prepare(&rk_case_bne, &o->bne, stream, NULL, scene, &report, err);
@@ -133,7 +127,7 @@ static enum rk_status make_scene(const struct options *o, struct rk_scene **scen
     if (status == RK_OK) {
         printf("settled in %.0f steps (t = %.1f, kinetic energy a grain %.2e), %.1f CPU-s\n",
                (double)report.steps, report.time, report.kinetic,
-               1e-9 * (double)(thread_nanoseconds() - begin));
+               1e-9 * (double)(bench_cpu_nanoseconds() - begin));
         status = o->kernel ? change_kernel(o, scene, err) : RK_OK;
     }
     return status;
@@ -146,9 +140,9 @@ static enum rk_status measure(const struct options *o, struct rk_scene *scene,
     enum rk_status status = rk_scene_step(scene, o->warm, err);
     struct rk_profile before = rk_scene_profile(scene);
     for (unsigned long r = 0; status == RK_OK && r < o->repeat; r++) {
-        uint64_t begin = thread_nanoseconds();
+        uint64_t begin = bench_cpu_nanoseconds();
         status = rk_scene_step(scene, o->steps, err);
-        rates[r] = grain_steps / (1e-9 * (double)(thread_nanoseconds() - begin));
+        rates[r] = grain_steps / (1e-9 * (double)(bench_cpu_nanoseconds() - begin));
     }
     struct rk_profile after = rk_scene_profile(scene);
     if (status) {

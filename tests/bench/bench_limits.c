@@ -11,15 +11,12 @@
  * share, bytes and operations a grain-step by the counts below, what that comes to a second, and
  * what share of the limits that is. Bytes are those of the arrays that a phase goes through, each
  * counted once a pass; what is taken from a row again, because it is near, is not counted. */
-#include "cases/bne/bne.h"
-
 #include "base/memory.h"
+#include "bench_kit.h"
 
-#include <gsl/gsl_math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { MOST = 101, CHAINS = 12, WIDTH = 8 };
 
@@ -30,22 +27,6 @@ struct options {
     const char *kernel;
 };
 
-static uint64_t nanoseconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (uint64_t)t.tv_sec * 1000000000u + (uint64_t)t.tv_nsec;
-}
-
-static int by_size(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, size_t count) {
-    qsort(values, count, sizeof *values, by_size);
-    return values[count / 2];
-}
-
 /* ---- The machine's limits ---------------------------------------------------------------------
  */
 
@@ -53,7 +34,7 @@ static double median(double *values, size_t count) {
 __attribute__((target_clones("avx512f", "avx2", "default"))) static double
 triad(double *restrict a, const double *restrict b, const double *restrict c, size_t n) {
     size_t passes = 20000000 / n + 1;
-    uint64_t begin = nanoseconds();
+    uint64_t begin = bench_cpu_nanoseconds();
     for (size_t p = 0; p < passes; p++) {
         double s = 1 + 1e-9 * (double)p;
         for (size_t i = 0; i < n; i++) {
@@ -61,7 +42,7 @@ triad(double *restrict a, const double *restrict b, const double *restrict c, si
         }
         __asm__ volatile("" : : "r"(a) : "memory");
     }
-    return 24.0 * (double)n * (double)passes / (double)(nanoseconds() - begin);
+    return 24.0 * (double)n * (double)passes / (double)(bench_cpu_nanoseconds() - begin);
 }
 
 /* Operations a nanosecond: independent chains of x <- x m + d, a product and a sum each. */
@@ -73,7 +54,7 @@ __attribute__((target_clones("avx512f", "avx2", "default"))) static double arith
             x[k][l] = 1 + k + 0.1 * l;
         }
     }
-    uint64_t begin = nanoseconds();
+    uint64_t begin = bench_cpu_nanoseconds();
     for (size_t r = 0; r < rounds; r++) {
         for (int k = 0; k < CHAINS; k++) {
             for (int l = 0; l < WIDTH; l++) {
@@ -81,7 +62,7 @@ __attribute__((target_clones("avx512f", "avx2", "default"))) static double arith
             }
         }
     }
-    uint64_t spent = nanoseconds() - begin;
+    uint64_t spent = bench_cpu_nanoseconds() - begin;
     for (int k = 0; k < CHAINS; k++) {
         for (int l = 0; l < WIDTH; l++) {
             sum += x[k][l];
@@ -98,11 +79,13 @@ struct work {
 };
 
 /* Per grain and component: r, v, a read and written; a force, 3 operations to correct, 6 to
- * predict, 1 for the acceleration. Per grain: the force row read and, with the next weight (4),
- * written, the motion row written, mass, inverse mass and, if it turns, inverse inertia read. */
+ * predict, 1 for the acceleration. Per grain: the sums of forces read and, with the next weight
+ * (4), written, the motion row written, mass, inverse mass and, if it turns, inverse inertia read.
+ */
 static struct work move_work(bool turns) {
     double components = turns ? 3 : 2;
-    return (struct work){.bytes = 48 * components + 32 + 32 + 32 + 16 + (turns ? 8 : 0),
+    return (struct work){.bytes =
+                             48 * components + 2 * (turns ? 32 : 16) + 32 + 16 + (turns ? 8 : 0),
                          .operations = 10 * components + 4};
 }
 
@@ -115,11 +98,11 @@ static struct work pick_work(bool turns, double pairs, double close, double pick
 }
 
 /* Per close pair: two indices, shift, reach, the normal force out and with friction two radii and
- * the tangential force in and out. Per grain: the motion row in, the force row in and out, the
+ * the tangential force in and out. Per grain: the motion row in, the sums of forces in and out, the
  * angular velocity. Operations of a close pair: 29 for geometry (a root and a quotient are one
  * each), 8 for the normal force and 4 for its sums; friction 29 more. */
 static struct work push_work(bool turns, double close) {
-    return (struct work){.bytes = close * (32 + (turns ? 32 : 0)) + 32 + 64 + (turns ? 8 : 0),
+    return (struct work){.bytes = close * (32 + (turns ? 32 : 0)) + 32 + (turns ? 64 + 8 : 32),
                          .operations = close * (28 + (turns ? 22 : 0))};
 }
 
@@ -129,48 +112,22 @@ static enum rk_status copy(const struct options *o, const struct rk_bne *bne,
                            const struct rk_scene *one, struct rk_scene **scene,
                            struct rk_error *err) {
     struct rk_scene_spec spec = *rk_scene_spec(one);
-    const size_t n = rk_scene_grains(one);
-    const double w = 2 * M_PI / bne->drive.period, width = spec.period_x;
-    const struct rk_wall_spec plate = {
-        .normal = {0, 1},
-        .friction = true,
-        .drive = {.kind = rk_registry_find(&rk_drive_registry, "sinusoid"),
-                  .amplitude = bne->drive.acceleration / (w * w),
-                  .period = bne->drive.period,
-                  .phase = w * rk_scene_time(one),
-                  .direction = {0, 1}}};
-    spec.grains = n * o->copies;
-    spec.period_x = width * (double)o->copies;
+    spec.grains *= o->copies;
+    spec.period_x *= (double)o->copies;
     spec.kernel = o->kernel ? rk_registry_find(&rk_kernel_registry, o->kernel) : NULL;
     if (o->kernel && !spec.kernel) {
         return rk_fail(err, RK_EINVALID, "no kernel is called '%.32s'", o->kernel);
     }
     enum rk_status status = rk_scene_create(&spec, scene, err);
-    status = status ? status : rk_scene_add_wall(*scene, &plate, err);
-    for (size_t k = 0; status == RK_OK && k < o->copies; k++) {
-        for (uint32_t i = 0; status == RK_OK && i < n; i++) {
-            struct rk_grain grain;
-            status = rk_scene_grain(one, i, &grain, err);
-            grain.x += (double)k * width;
-            status = status ? status : rk_scene_add_grain(*scene, &grain, err);
-        }
-    }
+    status = status ? status : bench_tile(bne, one, o->copies, 0, *scene, err);
     return status ? status : rk_scene_step(*scene, 200, err);
 }
 
 static enum rk_status make(const struct options *o, struct rk_scene **scene, struct rk_error *err) {
     struct rk_bne bne;
     struct rk_scene *one = NULL;
-    struct rk_preparation report;
-    struct rk_stream stream = rk_stream_of(1, 0, 0, RK_FOR_GRAINS, 0);
-    rk_param_defaults(rk_case_bne.params, &bne);
-    bne.box.sides = &rk_bne_sides_periodic;
-    bne.box.width = 28;
-    if (o->smooth) {
-        bne.contact.friction = rk_registry_find(&rk_friction_registry, "none");
-    }
-    enum rk_status status = rk_case_prepare(&rk_case_bne, &bne, stream, NULL, &one, &report, err);
-    status = status ? status : rk_scene_step(one, 12500, err);
+    enum rk_status status =
+        bench_settle(&bne, 2500, 28, o->smooth ? "none" : "cundall-strack", 12500, &one, err);
     status = status ? status : copy(o, &bne, one, scene, err);
     rk_scene_free(one);
     return status;
@@ -197,7 +154,7 @@ static enum rk_status measure(const struct options *o, struct rk_scene *scene, s
     for (unsigned long r = 0; status == RK_OK && r < o->repeat; r++) {
         bandwidth[r] = triad(a, b, c, entries);
         rate[r] = arithmetic();
-        rk_scene_set_clock(scene, nanoseconds);
+        rk_scene_set_clock(scene, bench_cpu_nanoseconds);
         struct rk_profile before = rk_scene_profile(scene);
         status = rk_scene_step(scene, steps, err);
         last = rk_scene_profile(scene);
@@ -207,13 +164,13 @@ static enum rk_status measure(const struct options *o, struct rk_scene *scene, s
     }
     if (status == RK_OK) {
         double all = work * (double)o->repeat;
-        f->bandwidth = median(bandwidth, o->repeat);
-        f->rate = median(rate, o->repeat);
+        f->bandwidth = bench_median(bandwidth, o->repeat);
+        f->rate = bench_median(rate, o->repeat);
         f->pairs = (double)(last.pairs - first.pairs) / all;
         f->close = (double)(last.close - first.close) / all;
         f->picks = (double)(last.picks - first.picks) / (double)(steps * o->repeat);
         for (int p = 0; p < RK_PHASE_COUNT; p++) {
-            f->ns[p] = median(phase[p], o->repeat);
+            f->ns[p] = bench_median(phase[p], o->repeat);
             f->all += f->ns[p];
         }
     }

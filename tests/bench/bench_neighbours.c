@@ -3,12 +3,13 @@
  *
  *     bench_neighbours [tables] [foley] [speedup] [--largest N] [--full] [--threads P] [--out DIR]
  *
- * Beds of 1e3, 1e4 and 1e5 grains (cases/neighbours/a2.yaml) are settled and steps are taken from
- * each with all pairs, with a list found by looking at all pairs, and with one found by cells.
+ * Beds of 1e3 and 1e4 grains (cases/neighbours/a2.yaml) are settled, one of 1e5 is put together
+ * from ten copies of the second, and steps are taken from each with all pairs, with a list found by
+ * looking at all pairs, and with one found by cells.
  *
  * tables   seconds of the processor of each routine in 1000 steps, beside the thesis's; what a
- *          grain-step costs against the number of grains. All pairs are timed for fewer steps and
- *          scaled unless --full, and refused where no list holds them.
+ *          grain-step costs against the number of grains. What looks at all pairs is timed for
+ *          fewer steps and scaled unless --full, and refused where no list holds them.
  * foley    the same for Foley's numbers of grains, in his form
  * speedup  wall time against the number of threads, 1 to P (all cores), turn by turn: leave the
  *          machine alone meanwhile
@@ -23,6 +24,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { SIZES = 3 };
 static const uint64_t all_sizes[SIZES] = {1000, 10000, 100000};
@@ -47,8 +49,9 @@ static enum rk_status measure_size(const struct options *o, uint64_t count, stru
     struct bed bed;
     size_t s = r->sizes;
     enum rk_status status = bed_settle(count, o->threads, &bed, err);
-    for (int m = 0; status == RK_OK && o->tables && m < METHODS; m++) {
-        status = time_method(&bed, (enum method)m, o->full, &r->timings[s][m], err);
+    for (int m = METHODS; status == RK_OK && o->tables && m-- > 0;) { /* cells first */
+        status = time_method(&bed, (enum method)m, o->full, r->timings[s][CELLS].builds,
+                             &r->timings[s][m], err);
     }
     if (status == RK_OK && o->tables) {
         r->grains[s] = bed.grains;
@@ -100,6 +103,10 @@ static struct options read_options(int argc, char **argv) {
     }
     if (!o.tables && !o.foley && !o.speedup) {
         o.tables = o.foley = o.speedup = true;
+    }
+    if (o.out && access(o.out, W_OK) != 0) {
+        fprintf(stderr, "bench_neighbours: --out %s: there is no such folder to write to\n", o.out);
+        exit(2);
     }
     if (o.threads < 1 || o.threads > THREADS_MOST || o.largest < all_sizes[0]) {
         fprintf(stderr,

@@ -7,9 +7,8 @@
  * the same height, with as many contacts a grain. Each is stepped by one thread and by two in
  * turns. CPU time decides the cost of a grain-step, wall time the speed-up (leave the machine alone
  * meanwhile); medians of five. "Rise" is the cost over that of the smallest scene. */
-#include "cases/bne/bne.h"
+#include "bench_kit.h"
 
-#include <gsl/gsl_math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
@@ -22,45 +21,15 @@ static double seconds(clockid_t clock) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static int by_size(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double values[TURNS]) {
-    qsort(values, TURNS, sizeof *values, by_size);
-    return values[TURNS / 2];
-}
-
 /* `tiles` copies of a scene side by side, on `threads` threads. */
 static enum rk_status tile(const struct rk_bne *bne, const struct rk_scene *one, size_t tiles,
                            size_t threads, struct rk_scene **scene, struct rk_error *err) {
     struct rk_scene_spec spec = *rk_scene_spec(one);
-    size_t n = rk_scene_grains(one);
-    double w = 2 * M_PI / bne->drive.period, width = spec.period_x;
-    struct rk_wall_spec plate = {.normal = {0, 1},
-                                 .friction = true,
-                                 .drive = {.kind = rk_registry_find(&rk_drive_registry, "sinusoid"),
-                                           .amplitude = bne->drive.acceleration / (w * w),
-                                           .period = bne->drive.period,
-                                           .phase = w * rk_scene_time(one),
-                                           .direction = {0, 1}}};
-    spec.grains = n * tiles;
-    spec.period_x = width * (double)tiles;
+    spec.grains *= tiles;
+    spec.period_x *= (double)tiles;
     spec.threads = threads;
     enum rk_status status = rk_scene_create(&spec, scene, err);
-    if (status == RK_OK) {
-        status = rk_scene_add_wall(*scene, &plate, err);
-    }
-    for (size_t k = 0; status == RK_OK && k < tiles; k++) {
-        for (uint32_t i = 0; status == RK_OK && i < n; i++) {
-            struct rk_grain grain;
-            rk_scene_grain(one, i, &grain, NULL);
-            grain.x += (double)k * width;
-            status = rk_scene_add_grain(*scene, &grain, err);
-        }
-    }
-    return status;
+    return status ? status : bench_tile(bne, one, tiles, 0, *scene, err);
 }
 
 /* Median seconds of `steps` steps on one and on two threads: CPU of one, wall of each. */
@@ -82,9 +51,9 @@ static enum rk_status time_tiles(struct rk_scene *scenes[2], uint64_t steps, dou
         }
     }
     if (status == RK_OK) {
-        out[0] = median(cpu);
-        out[1] = median(wall[0]);
-        out[2] = median(wall[1]);
+        out[0] = bench_median(cpu, TURNS);
+        out[1] = bench_median(wall[0], TURNS);
+        out[2] = bench_median(wall[1], TURNS);
     }
     return status;
 }
@@ -120,19 +89,6 @@ static enum rk_status measure(const struct rk_bne *bne, const struct rk_scene *o
     return status;
 }
 
-/* The scene that copies are made of: settled, and shaken a little. */
-static enum rk_status settle(struct rk_bne *bne, size_t grains, double width,
-                             struct rk_scene **scene, struct rk_error *err) {
-    struct rk_preparation report;
-    struct rk_stream stream = rk_stream_of(1, 0, 0, RK_FOR_GRAINS, 0);
-    rk_param_defaults(rk_case_bne.params, bne);
-    bne->box.sides = &rk_bne_sides_periodic;
-    bne->box.width = width;
-    bne->grains.count = grains;
-    enum rk_status status = rk_case_prepare(&rk_case_bne, bne, stream, NULL, scene, &report, err);
-    return status ? status : rk_scene_step(*scene, 6250, err);
-}
-
 int main(int argc, char **argv) {
     static const size_t tiles[] = {1, 4, 8, 40, 100, 400};
     size_t largest = argc > 1 ? strtoull(argv[1], NULL, 10) : 1000400;
@@ -140,14 +96,14 @@ int main(int argc, char **argv) {
     struct rk_scene *small = NULL, *one = NULL;
     struct rk_error err = RK_NO_ERROR;
     double least = 0;
-    enum rk_status status = settle(&bne, 1000, 11.2, &small, &err);
+    enum rk_status status = bench_settle(&bne, 1000, 11.2, "cundall-strack", 6250, &small, &err);
     printf("   grains  ns/grain-st.   rise ns/contact-st. contacts/gr. speed-up x2 bytes/grain     "
            "MB\n");
     if (status == RK_OK) {
         status = measure(&bne, small, 1, &least, &err);
     }
     if (status == RK_OK) {
-        status = settle(&bne, 2500, 28, &one, &err);
+        status = bench_settle(&bne, 2500, 28, "cundall-strack", 6250, &one, &err);
     }
     for (size_t k = 0; status == RK_OK && k < sizeof tiles / sizeof *tiles; k++) {
         if (tiles[k] * rk_scene_grains(one) <= largest) {

@@ -83,6 +83,23 @@ static void one_contact_is_stable_up_to_the_known_step(void **state) {
     }
 }
 
+/* rk_integrator_limit halves: that needs every step below the limit to be stable and none above. */
+static void a_limit_parts_stable_steps_from_others(void **state) {
+    (void)state;
+    const double stride = 1e-3;
+    for (size_t k = 0; k < 13 * rk_integrator_registry.count; k++) {
+        const struct rk_piece *integrator = rk_integrator_registry.pieces[k / 13];
+        const double zeta = k % 13 ? 1e-3 * pow(10, 0.4 * (double)(k % 13 - 1)) : 0; /* to 25 */
+        const double limit = rk_integrator_limit(integrator, zeta);
+        for (size_t i = 1; i <= 2001; i++) {
+            const double h = stride * (double)i;
+            if (fabs(h - limit) > 1e-6) { /* rounding of the polynomial's coefficients */
+                assert_int_equal(rk_integrator_stable(integrator, h, zeta), h < limit);
+            }
+        }
+    }
+}
+
 /* ---- A triangular lattice ----------------------------------------------------------------------
  */
 
@@ -189,6 +206,7 @@ static void the_limits_of_lattices_are_measured(void **state) {
 
 int main(int argc, char **argv) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_limit_parts_stable_steps_from_others),
         cmocka_unit_test(one_contact_is_stable_up_to_the_known_step),
         cmocka_unit_test(the_stable_step_is_that_of_a_triangular_lattice),
     };

@@ -234,6 +234,22 @@ static void what_cannot_be_done_is_refused(void **state) {
     succeed(rk_case_neighbours.check(&study, &err), &err);
 }
 
+/* 92682 grains have 4294930221 pairs, just below 2^32; one grain more has too many. */
+static void all_pairs_end_where_numbers_do(void **state) {
+    (void)state;
+    const size_t grains = 92683;
+    struct rk_scene_spec spec = kit_spec(grains, 0);
+    spec.accuracy.neighbour = kit_piece(&rk_neighbour_registry, "all-pairs");
+    struct rk_scene *scene = kit_scene(&spec);
+    struct rk_error err = RK_NO_ERROR;
+    for (size_t i = 0; i < grains; i++) {
+        kit_add(scene, kit_disc(2.0 * (double)(i % 300), 2.0 * (double)(i / 300), 0, 0));
+    }
+    assert_int_equal(rk_scene_step(scene, 1, &err), RK_EINVALID);
+    assert_non_null(strstr(err.message, "take cells or verlet"));
+    rk_scene_free(scene);
+}
+
 /* A run's threads, steps and method must not choose its random numbers. */
 static void how_a_run_is_computed_is_technical(void **state) {
     (void)state;
@@ -253,6 +269,7 @@ int main(void) {
         cmocka_unit_test(sizes_and_boxes_do_not_matter),
         cmocka_unit_test(lists_grow_with_the_number_of_grains_only),
         cmocka_unit_test(what_cannot_be_done_is_refused),
+        cmocka_unit_test(all_pairs_end_where_numbers_do),
         cmocka_unit_test(how_a_run_is_computed_is_technical),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

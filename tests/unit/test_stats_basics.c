@@ -1,4 +1,5 @@
 /* Moments, autocorrelation, blocking, resampling, spectra, histograms, units: exact checks. */
+#include "stats/lanes.h"
 #include "stats/stats.h"
 #include "stats_data.h"
 
@@ -189,6 +190,99 @@ static void blocking_finds_the_inefficiency(void **state) {
     double ratio = N / (2 * 9.5) / found.mean.n_eff;
     assert_true(within(ratio, 1, 5 * sqrt(2 / (blocks - 1)) + 2 * 9.5 / block));
     assert_true(found.mean.low < found.mean.estimate && found.mean.estimate < found.mean.high);
+}
+
+/* Blocks of data with gaps, and of an integral, are those of the data without gaps: exactly where
+ * the integral is one of whole numbers. */
+static void blocking_passes_over_gaps(void **state) {
+    (void)state;
+    enum { R = 3, N = 500, STRIDE = 620, FROM = 40 };
+    static double packed[R * N], gaps[R * STRIDE], integral[R * STRIDE];
+    gsl_rng *rng = rng_of(43);
+    for (size_t r = 0; r < R; r++) {
+        for (size_t i = 0; i + 1 < STRIDE; i++) {
+            double x = floor(100 * gsl_rng_uniform(rng));
+            gaps[r * STRIDE + i] = x;
+            integral[r * STRIDE + i + 1] = integral[r * STRIDE + i] + x;
+            if (i >= FROM && i < FROM + N) {
+                packed[r * N + i - FROM] = x;
+            }
+        }
+    }
+    gsl_rng_free(rng);
+    struct rk_series whole = series_of(packed, R, N, 1), part = series_of(gaps, R, STRIDE, 1);
+    struct rk_blocking a, b, c;
+    assert_int_equal(rk_blocking_estimate(&a, &whole, RK_SERIES_RATE, 0, 0, 0.95, NULL), RK_OK);
+    assert_int_equal(rk_blocking_estimate(&b, &part, RK_SERIES_RATE, FROM, FROM + N, 0.95, NULL),
+                     RK_OK);
+    part.data = integral;
+    assert_int_equal(
+        rk_blocking_estimate(&c, &part, RK_SERIES_INTEGRAL, FROM, FROM + N, 0.95, NULL), RK_OK);
+    assert_true(a.mean.low == b.mean.low && a.mean.high == b.mean.high && a.error == b.error);
+    assert_true(a.block == c.block && a.blocks == c.blocks);
+    /* The mean of the integral is one difference, that of samples a sum: rounding apart. */
+    assert_true(within(c.mean.estimate, a.mean.estimate, 1e-13 * a.mean.estimate));
+    assert_true(within(c.error, a.error, 1e-12 * a.error));
+}
+
+/* Variance of the mean of `blocks` blocks of AR(1), and of the average of these means, by the
+ * double sum over samples: their ratio times `blocks` is what the widening says, but for
+ * phi^length. */
+static void blocks_forget_what_the_widening_gives_back(void **state) {
+    (void)state;
+    const double phi = 0.9, time = (1 + phi) / (2 * (1 - phi));
+    enum { LENGTH = 200 };
+    const size_t sizes[2] = {LENGTH, 400 * LENGTH};
+    double variance[2];
+    for (int k = 0; k < 2; k++) {
+        double n = (double)sizes[k], sum = n;
+        for (double lag = 1; lag < n && lag < 1000; lag++) {
+            sum += 2 * (n - lag) * pow(phi, lag);
+        }
+        variance[k] = sum / (n * n);
+    }
+    /* What the whole forgets itself is 1/400 of that of a block. */
+    double forgotten = (time - 0.25 / time) / LENGTH;
+    assert_true(within(variance[1] / (variance[0] / 400), rk_block_widening(time, LENGTH),
+                       1.1 * forgotten / 400));
+    assert_true(rk_block_widening(0.5, LENGTH) == 1);
+}
+
+/* exp of four numbers at once, within 2^-52 of the C library's in long double, and at the ends of
+ * the range: the smallest doubles to half of one, then 0. */
+WIDE static void four_exponentials(double y[LANES], const double x[LANES]) {
+    rk_lanes in = {x[0], x[1], x[2], x[3]}, out;
+    rk_lanes_exp(&out, &in);
+    for (int i = 0; i < LANES; i++) {
+        y[i] = out[i];
+    }
+}
+
+static void exponentials_are_exact_to_the_last_bit(void **state) {
+    (void)state;
+    gsl_rng *rng = rng_of(44);
+    const double ranges[LANES] = {1e-5, 0.4, 30, 708};
+    long double worst = 0;
+    for (int n = 0; n < 100000; n++) {
+        double x[LANES], y[LANES];
+        for (int i = 0; i < LANES; i++) {
+            x[i] = -ranges[i] * gsl_rng_uniform(rng);
+        }
+        four_exponentials(y, x);
+        for (int i = 0; i < LANES; i++) {
+            long double truth = expl((long double)x[i]);
+            worst = fmaxl(worst, fabsl((long double)y[i] - truth) / truth);
+        }
+    }
+    gsl_rng_free(rng);
+    assert_true(worst <= 0x1p-52L);
+    const double ends[2][LANES] = {{0, -0x1p-1074, -730, -745.1}, {-746, -1e4, -1e300, -INFINITY}};
+    double y[LANES];
+    four_exponentials(y, ends[0]);
+    assert_true(y[0] == 1 && y[1] == 1);
+    assert_true(fabs(y[2] - exp(-730)) <= 0x1p-1074 && y[3] == 0x1p-1074);
+    four_exponentials(y, ends[1]);
+    assert_true(y[0] == 0 && y[1] == 0 && y[2] == 0 && y[3] == 0);
 }
 
 static void blocking_refuses(void **state) {
@@ -576,6 +670,9 @@ int main(void) {
         cmocka_unit_test(transforms_give_the_direct_sums),
         cmocka_unit_test(autocorrelation_of_an_alternation),
         cmocka_unit_test(blocking_finds_the_inefficiency),
+        cmocka_unit_test(blocking_passes_over_gaps),
+        cmocka_unit_test(blocks_forget_what_the_widening_gives_back),
+        cmocka_unit_test(exponentials_are_exact_to_the_last_bit),
         cmocka_unit_test(blocking_refuses),
         cmocka_unit_test(jackknife_identities),
         cmocka_unit_test(bootstrap_of_a_mean),

@@ -443,8 +443,9 @@ static void histograms_as_input(void **state) {
         for (size_t i = 0; i < COUNT; i++) {
             counts[(size_t)((x[i] + 8) / 16 * (double)bins)] += 1;
         }
-        struct rk_pdf_fit fit[2];
-        assert_int_equal(rk_pdf_fit_histogram(fit, edges, counts, bins, &options, NULL), RK_OK);
+        struct rk_pdf *binned;
+        assert_int_equal(rk_pdf_fit_histogram(&binned, edges, counts, bins, &options, NULL), RK_OK);
+        const struct rk_pdf_fit *fit = binned->fit;
         for (size_t f = 0; f < 2; f++) {
             double width = pdf->fit[f].shape.high - pdf->fit[f].shape.low;
             double off = fabs(fit[f].shape.estimate - pdf->fit[f].shape.estimate);
@@ -453,8 +454,91 @@ static void histograms_as_input(void **state) {
             double own = fit[f].shape.high - fit[f].shape.low;
             assert_true(own > 0.95 * width && own < (coarse ? 3 : 1.1) * width);
         }
+        rk_pdf_free(binned);
     }
     rk_pdf_free(pdf);
+}
+
+/* Counts of q-Gaussian (q = 1.5) or Gaussian samples in 40 bins, all outside in two wide ones. */
+enum { COUNTED = 4000, COUNTED_BINS = 42 };
+static void count_samples(double *x, double *edges, double *counts, double q, gsl_rng *rng) {
+    fill(x, COUNTED, 0, q, 1, 0, rng);
+    edges[0] = -1e6;
+    edges[COUNTED_BINS] = 1e6;
+    for (size_t b = 1; b < COUNTED_BINS; b++) {
+        edges[b] = -5 + 0.25 * (double)(b - 1);
+    }
+    for (size_t b = 0; b < COUNTED_BINS; b++) {
+        counts[b] = 0;
+    }
+    for (size_t i = 0; i < COUNTED; i++) {
+        double at = floor((x[i] + 5) / 0.25) + 1;
+        counts[(size_t)fmin(fmax(at, 0), COUNTED_BINS - 1)] += 1;
+    }
+}
+
+/* Weights that are all doubled say the same, and Vuong's z of samples of weight 1 is that of their
+ * counts but for what bins forget, which is the cusp of a stretched exponential with b near 1: off
+ * by its share of the samples, of the order of the width of a bin, 1/50. */
+static void vuong_of_weights_and_counts(void **state) {
+    (void)state;
+    enum { BINS = 3000 };
+    static double x[COUNTED], w[COUNTED], edges[BINS + 1], counts[BINS];
+    gsl_rng *rng = rng_of(61);
+    struct rk_stream stream = bootstrap_of(61);
+    struct rk_pdf_options options = RK_PDF_DEFAULTS;
+    struct rk_pdf *single, *twice, *counted;
+    fill(x, COUNTED, 0, 1.4, 1, 0, rng);
+    gsl_rng_free(rng);
+    for (int scale = 1; scale <= 2; scale++) {
+        for (size_t i = 0; i < COUNTED; i++) {
+            w[i] = scale;
+        }
+        assert_int_equal(rk_pdf_fit_weighted(scale == 1 ? &single : &twice, x, w, COUNTED, &options,
+                                             &stream, NULL),
+                         RK_OK);
+    }
+    for (size_t b = 0; b <= BINS; b++) {
+        edges[b] = -30 + 0.02 * (double)b;
+    }
+    for (size_t i = 0; i < COUNTED; i++) {
+        assert_true(fabs(x[i]) < 30);
+        counts[(size_t)((x[i] + 30) * 50)] += 1;
+    }
+    assert_int_equal(rk_pdf_fit_histogram(&counted, edges, counts, BINS, &options, NULL), RK_OK);
+    assert_true(close_to(single->vuong, twice->vuong, 1e-9));
+    assert_true(close_to(counted->vuong, single->vuong, 0.02));
+    assert_true(single->vuong > 2);
+    assert_true(single->choice == RK_PDF_Q_GAUSSIAN && counted->choice == RK_PDF_Q_GAUSSIAN);
+    assert_true(counted->samples == COUNTED && counted->counted);
+    rk_pdf_free(single);
+    rk_pdf_free(twice);
+    rk_pdf_free(counted);
+}
+
+/* 40 histograms each: of a Gaussian a family is named at 5 %, 2 on average, of a q-Gaussian the
+ * wrong one less often; 8 are four deviations. */
+static void counts_choose_as_often_as_they_say(void **state) {
+    (void)state;
+    static double x[COUNTED];
+    double edges[COUNTED_BINS + 1], counts[COUNTED_BINS];
+    struct rk_pdf_options options = RK_PDF_DEFAULTS;
+    gsl_rng *rng = rng_of(62);
+    int named = 0, right = 0, wrong = 0;
+    for (int e = 0; e < 80; e++) {
+        bool gaussian = e % 2 == 0;
+        struct rk_pdf *pdf;
+        count_samples(x, edges, counts, gaussian ? 1 : 1.5, rng);
+        assert_int_equal(rk_pdf_fit_histogram(&pdf, edges, counts, COUNTED_BINS, &options, NULL),
+                         RK_OK);
+        named += gaussian && pdf->choice != RK_PDF_GAUSSIAN;
+        right += !gaussian && pdf->choice == RK_PDF_Q_GAUSSIAN;
+        wrong += !gaussian && pdf->choice == RK_PDF_STRETCHED;
+        rk_pdf_free(pdf);
+    }
+    gsl_rng_free(rng);
+    assert_true(named <= 8 && wrong <= 8);
+    assert_true(right >= 30);
 }
 
 /* Tails apart: left and right of 0 two different scales and exponents. */
@@ -562,6 +646,8 @@ int main(void) {
         cmocka_unit_test(weights_are_repetitions),
         cmocka_unit_test(roots_are_kept),
         cmocka_unit_test(histograms_as_input),
+        cmocka_unit_test(vuong_of_weights_and_counts),
+        cmocka_unit_test(counts_choose_as_often_as_they_say),
         cmocka_unit_test(sides_apart),
         cmocka_unit_test(correlated_samples_widen_the_interval),
         cmocka_unit_test(the_verdict_names_the_family),

@@ -77,6 +77,105 @@ static void intervals_cover(void **state) {
     assert_true(covered[0] >= 84 && covered[1] >= 84 && covered[2] >= 84);
 }
 
+/* What a scan of nine periods with three replicas each makes of peaks. Counts of ensembles. */
+enum { ENSEMBLES_OF_FEW = 40 };
+
+struct tally {
+    int given, covered[3], one_sided[3];
+    char text[700], why[400];
+};
+
+static struct tally scan(double at, double width, double noise, uint64_t seed) {
+    enum { FEW = 3 };
+    struct tally tally = {0};
+    gsl_rng *rng = rng_of(seed);
+    struct rk_stream stream = bootstrap_of(seed);
+    for (int e = 0; e < ENSEMBLES_OF_FEW; e++) {
+        double period[PERIODS], rate[PERIODS * FEW], highest = 0;
+        size_t first[PERIODS + 1] = {0};
+        for (size_t k = 0; k < PERIODS; k++) {
+            double z = (1 + 0.5 * (double)k - at) / width;
+            period[k] = 1 + 0.5 * (double)k;
+            first[k + 1] = first[k] + FEW;
+            for (size_t i = first[k]; i < first[k + 1]; i++) {
+                rate[i] = 0.3 / (1 + z * z) + gsl_ran_gaussian_ziggurat(rng, noise);
+                highest = fmax(highest, rate[i]);
+            }
+        }
+        const struct rk_resonance_data data = {period, rate, first, PERIODS};
+        struct rk_error err = RK_NO_ERROR;
+        struct rk_resonance *r;
+        if (rk_resonance_estimate(&r, &data, &(struct rk_resonance_options){0.95, 100}, &stream,
+                                  &err) != RK_OK) {
+            assert_int_equal(err.status, RK_EREFUSED);
+            strcpy(tally.why, err.message);
+            continue;
+        }
+        const struct rk_interval *found[3] = {&r->position, &r->height, &r->width};
+        const double truth[3] = {at, 0.3, width};
+        tally.given++;
+        for (int k = 0; k < 3; k++) {
+            const struct rk_interval *x = found[k];
+            tally.covered[k] += x->low <= truth[k] && truth[k] <= x->high;
+            tally.one_sided[k] += isinf(x->low) || isinf(x->high);
+        }
+        /* A bound that is given is never absurd. A peak that the scan sees is at half of its
+         * height at least at the nearest period, and what is fitted there is not above a sample by
+         * more than its resampling may add, sqrt(3/2) of a deviation: within 4 times. */
+        assert_true(isinf(r->height.high) || r->height.high <= 4 * highest);
+        assert_true(isinf(r->width.high) || r->width.high <= 4 * (1 + 1e-12));
+        assert_true(isinf(r->position.low) || r->position.low >= 1);
+        assert_true(isinf(r->position.high) || r->position.high <= 5);
+        if (e == 0 || isinf(r->position.high)) {
+            strcpy(tally.text, r->text);
+        }
+        rk_resonance_free(r);
+    }
+    gsl_rng_free(rng);
+    return tally;
+}
+
+/* 40 ensembles: 38 are covered on average with the deviation 1.4; 32 is four deviations. */
+static void three_replicas_are_enough_for_a_clear_peak(void **state) {
+    (void)state;
+    struct tally t = scan(2.7, 0.8, 0.03, 31);
+    assert_int_equal(t.given, ENSEMBLES_OF_FEW);
+    for (int k = 0; k < 3; k++) {
+        assert_true(t.covered[k] >= 32);
+        assert_true(t.one_sided[k] <= 2);
+    }
+}
+
+/* A half width of 0.1 where periods are 0.5 apart: one period stands out, the height is open. */
+static void a_peak_between_two_periods_has_no_upper_bound(void **state) {
+    (void)state;
+    struct tally t = scan(2.55, 0.1, 0.02, 32);
+    assert_true(t.given > ENSEMBLES_OF_FEW / 2); /* the others are refused */
+    assert_true(t.one_sided[1] == t.given && t.one_sided[2] == t.given);
+    for (int k = 0; k < 3; k++) {
+        assert_int_equal(t.covered[k], t.given); /* anything between the neighbours is inside */
+    }
+    assert_non_null(strstr(t.text, "the height has no upper bound: a peak narrower than the"));
+}
+
+/* The peak is 0.05 inside of the scan: where it is given its place is bounded on one side. */
+static void a_peak_at_the_edge_is_bounded_from_one_side(void **state) {
+    (void)state;
+    struct tally t = scan(4.95, 0.8, 0.03, 33);
+    assert_true(t.given > 0 && t.given < ENSEMBLES_OF_FEW);
+    assert_true(t.one_sided[0] > 0);
+    assert_non_null(strstr(t.text, "and perhaps beyond the scan"));
+    assert_non_null(strstr(t.why, "no peak inside the scan"));
+}
+
+/* A constant rate: the F test lets 5 % pass, and of these the resamples agree on few. */
+static void a_constant_rate_has_no_peak(void **state) {
+    (void)state;
+    struct tally t = scan(3, 1e6, 0.02, 34);
+    assert_true(t.given <= 9); /* 2 on average at most, with the deviation 1.4: five of them */
+    assert_non_null(strstr(t.why, "no peak inside the scan: the mean rates do not differ"));
+}
+
 static void what_has_no_peak_is_refused(void **state) {
     (void)state;
     gsl_rng *rng = rng_of(3);
@@ -86,7 +185,7 @@ static void what_has_no_peak_is_refused(void **state) {
     struct rk_error err = RK_NO_ERROR;
     struct rk_resonance *r;
     assert_int_equal(rk_resonance_estimate(&r, &data, &options, &stream, &err), RK_EREFUSED);
-    assert_non_null(strstr(err.message, "no maximum between the periods 1 and 5"));
+    assert_non_null(strstr(err.message, "no peak inside the scan: between the periods 1 and 5"));
     data.periods = 4;
     assert_int_equal(rk_resonance_estimate(&r, &data, &options, &stream, &err), RK_EREFUSED);
     assert_non_null(strstr(err.message, "4 periods"));
@@ -204,10 +303,17 @@ static void mean_of_censored_times_covers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_peak_without_noise),          cmocka_unit_test(intervals_cover),
-        cmocka_unit_test(what_has_no_peak_is_refused),   cmocka_unit_test(censored_times_by_hand),
-        cmocka_unit_test(no_event_is_information_too),   cmocka_unit_test(first_passage_by_hand),
+        cmocka_unit_test(a_peak_without_noise),
+        cmocka_unit_test(intervals_cover),
+        cmocka_unit_test(what_has_no_peak_is_refused),
+        cmocka_unit_test(censored_times_by_hand),
+        cmocka_unit_test(no_event_is_information_too),
+        cmocka_unit_test(first_passage_by_hand),
         cmocka_unit_test(mean_of_censored_times_covers),
+        cmocka_unit_test(three_replicas_are_enough_for_a_clear_peak),
+        cmocka_unit_test(a_peak_between_two_periods_has_no_upper_bound),
+        cmocka_unit_test(a_peak_at_the_edge_is_bounded_from_one_side),
+        cmocka_unit_test(a_constant_rate_has_no_peak),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,30 +6,15 @@
 #include <stdlib.h>
 #include <time.h>
 
+/* Larger beds are put together from settled ones. */
+enum { TILES = 10, SETTLED_MOST = 20000 };
+
 const char *const method_names[METHODS] = {"all-pairs", "verlet", "cells"};
 
-static double seconds(clockid_t clock) {
-    struct timespec t;
-    clock_gettime(clock, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-double cpu_seconds(void) {
-    return seconds(CLOCK_THREAD_CPUTIME_ID);
-}
-
 double wall_seconds(void) {
-    return seconds(CLOCK_MONOTONIC);
-}
-
-static int by_size(const void *a, const void *b) {
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-double median(double *values, size_t count) {
-    qsort(values, count, sizeof *values, by_size);
-    return values[count / 2];
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 /* The parameters of cases/neighbours/a2.yaml. */
@@ -43,16 +28,47 @@ static struct rk_neighbour_study a2(uint64_t count, size_t threads) {
     return study;
 }
 
-enum rk_status bed_settle(uint64_t count, size_t threads, struct bed *bed, struct rk_error *err) {
-    struct rk_scene *scene = NULL;
+static enum rk_status settle(const struct rk_neighbour_study *study, struct rk_scene **scene,
+                             struct rk_error *err) {
     struct rk_preparation report = {0};
     struct rk_stream stream = rk_stream_of(60, 0, 0, RK_FOR_GRAINS, 0);
-    *bed = (struct bed){.study = a2(count, threads)};
     double begin = wall_seconds();
-    enum rk_status status = rk_case_neighbours.check(&bed->study, err);
+    enum rk_status status = rk_case_neighbours.check(study, err);
     if (status == RK_OK) {
-        status =
-            rk_case_prepare(&rk_case_neighbours, &bed->study, stream, NULL, &scene, &report, err);
+        status = rk_case_prepare(&rk_case_neighbours, study, stream, NULL, scene, &report, err);
+    }
+    if (status == RK_OK) {
+        fprintf(stderr, "a bed of %zu grains settled in %.0f steps, %.1f s\n",
+                rk_scene_grains(*scene), (double)report.steps, wall_seconds() - begin);
+    }
+    return status;
+}
+
+/* A bed of TILES times as many grains, of copies side by side: as wide as one of its size, with the
+ * first copy's intruder and without the others', at whose places it is hollow. */
+static enum rk_status tile(const struct rk_neighbour_study *study, const struct rk_scene *one,
+                           struct rk_scene **scene, struct rk_error *err) {
+    const double width = (double)study->bne.grains.count / TILES / study->box.rows;
+    enum rk_status status = rk_case_empty(&rk_case_neighbours, study, scene, err);
+    for (uint32_t k = 0; status == RK_OK && k < TILES; k++) {
+        for (uint32_t i = k ? 1 : 0; status == RK_OK && i < rk_scene_grains(one); i++) {
+            struct rk_grain grain;
+            status = rk_scene_grain(one, i, &grain, err);
+            grain.x += k * width;
+            status = status ? status : rk_scene_add_grain(*scene, &grain, err);
+        }
+    }
+    return status;
+}
+
+enum rk_status bed_settle(uint64_t count, size_t threads, struct bed *bed, struct rk_error *err) {
+    const bool tiled = count > SETTLED_MOST;
+    struct rk_neighbour_study small = a2(tiled ? count / TILES : count, threads);
+    struct rk_scene *one = NULL, *scene = NULL;
+    *bed = (struct bed){.study = a2(count, threads)};
+    enum rk_status status = settle(&small, tiled ? &one : &scene, err);
+    if (status == RK_OK && tiled) {
+        status = tile(&bed->study, one, &scene, err);
     }
     if (status == RK_OK) {
         bed->grains = rk_scene_grains(scene);
@@ -62,9 +78,8 @@ enum rk_status bed_settle(uint64_t count, size_t threads, struct bed *bed, struc
     }
     if (status == RK_OK) {
         rk_scene_pack(scene, bed->block);
-        fprintf(stderr, "a bed of %zu grains settled in %.0f steps, %.1f s\n", bed->grains,
-                (double)report.steps, wall_seconds() - begin);
     }
+    rk_scene_free(one);
     rk_scene_free(scene);
     return status;
 }

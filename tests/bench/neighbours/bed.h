@@ -4,6 +4,7 @@
 #define RK_BENCH_NEIGHBOURS_BED_H
 
 #include "cases/neighbours/neighbours.h"
+#include "tests/bench/bench_kit.h"
 
 /* The methods in the order of the thesis's columns. */
 enum method { ALL_PAIRS, LIST, CELLS, METHODS };
@@ -16,7 +17,8 @@ struct bed {
     size_t size;
 };
 
-/* Settle a bed of `count` small grains, a large one on `threads`; free with bed_free. */
+/* Settle a bed of `count` small grains; one of more than 20000 is ten copies side by side of a
+ * settled one, whose contacts begin without history. Free with bed_free. */
 enum rk_status bed_settle(uint64_t count, size_t threads, struct bed *bed, struct rk_error *err);
 void bed_free(struct bed *bed);
 
@@ -27,11 +29,7 @@ enum rk_status bed_open(const struct bed *bed, enum method method, size_t thread
 /* Can its every pair be listed? */
 bool bed_lists_all(const struct bed *bed);
 
-/* Seconds: of the processor that this thread has used, and of the clock on the wall. */
-double cpu_seconds(void);
+/* Seconds of the clock on the wall. */
 double wall_seconds(void);
-
-/* The middle of `count` values, which are sorted. */
-double median(double *values, size_t count);
 
 #endif

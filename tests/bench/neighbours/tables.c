@@ -5,14 +5,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Steps of all pairs stop being taken above as many looks at a pair. */
+/* Above as many looks at a pair fewer steps are taken: of all pairs as many as these looks allow,
+ * with a list found by looking SHORT. */
 static const double affordable_looks = 4e9;
 
-enum { REPEATS = 7, LONG = 3 }; /* LONG: seconds */
-
-static uint64_t cpu_nanoseconds(void) {
-    return (uint64_t)(1e9 * cpu_seconds());
-}
+enum { REPEATS = 7, LONG = 3, SHORT = 100 }; /* LONG: seconds */
 
 /* One pass of `steps` from the settled bed, with or without a clock on the phases. */
 static enum rk_status pass(const struct bed *bed, enum method method, uint64_t steps, bool clocked,
@@ -21,16 +18,17 @@ static enum rk_status pass(const struct bed *bed, enum method method, uint64_t s
     enum rk_status status = bed_open(bed, method, 1, &scene, err);
     *t = (struct timing){.there = true};
     if (status == RK_OK) {
-        rk_scene_set_clock(scene, clocked ? cpu_nanoseconds : NULL);
-        double begin = cpu_seconds();
+        rk_scene_set_clock(scene, clocked ? bench_cpu_nanoseconds : NULL);
+        const struct rk_profile before = rk_scene_profile(scene); /* opening it made a list */
+        double begin = bench_cpu_seconds();
         status = rk_scene_step(scene, steps, err);
-        t->whole = cpu_seconds() - begin;
+        t->whole = bench_cpu_seconds() - begin;
         struct rk_profile profile = rk_scene_profile(scene);
         double work = (double)steps * (double)bed->grains;
         for (int p = 0; p < RK_PHASE_COUNT; p++) {
             t->phase[p] = 1e-9 * (double)profile.ticks[p];
         }
-        t->builds = (double)profile.rebuilds;
+        t->builds = (double)(profile.rebuilds - before.rebuilds);
         t->pairs = (double)profile.pairs / work;
         t->contacts = (double)profile.contacts / work;
         t->bytes = (double)rk_scene_memory(scene);
@@ -51,14 +49,23 @@ static void share_out(struct timing *t, double whole) {
     t->whole = whole;
 }
 
-/* From fewer steps to STEPS. The one list that all pairs need is made in the first of them. */
-static void scale(struct timing *t, uint64_t steps) {
+/* From fewer steps to STEPS, in which `lists` are made. */
+static void scale(struct timing *t, uint64_t steps, double lists) {
     t->scaled = steps < STEPS;
     t->whole = 0;
     for (int p = 0; p < RK_PHASE_COUNT; p++) {
-        t->phase[p] *= p == RK_PHASE_NEIGHBOURS ? 1 : (double)STEPS / (double)steps;
+        t->phase[p] *= p == RK_PHASE_NEIGHBOURS ? lists / t->builds : (double)STEPS / (double)steps;
         t->whole += t->phase[p];
     }
+    t->builds = lists;
+}
+
+/* How many steps to take of a method that looks at `looks` pairs to make a list. */
+static uint64_t steps_to_take(enum method method, double looks, double lists) {
+    if (method == ALL_PAIRS && looks * STEPS > affordable_looks) {
+        return (uint64_t)fmax(10, affordable_looks / looks);
+    }
+    return method == LIST && looks * lists > affordable_looks ? SHORT : STEPS;
 }
 
 static int by_whole(const void *a, const void *b) {
@@ -66,19 +73,16 @@ static int by_whole(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-enum rk_status time_method(const struct bed *bed, enum method method, bool full,
+enum rk_status time_method(const struct bed *bed, enum method method, bool full, double lists,
                            struct timing *timing, struct rk_error *err) {
     struct timing passes[REPEATS], plain;
     double wholes[REPEATS];
     double n = (double)bed->grains, looks = 0.5 * n * (n - 1);
-    uint64_t steps = STEPS;
+    uint64_t steps = full ? STEPS : steps_to_take(method, looks, lists);
     size_t count = 0;
     *timing = (struct timing){.there = false};
     if (method == ALL_PAIRS && !bed_lists_all(bed)) {
         return RK_OK;
-    }
-    if (method == ALL_PAIRS && !full && looks * STEPS > affordable_looks) {
-        steps = (uint64_t)fmax(10, affordable_looks / looks);
     }
     enum rk_status status = RK_OK;
     do { /* a long pass once, a short one several times */
@@ -93,8 +97,8 @@ enum rk_status time_method(const struct bed *bed, enum method method, bool full,
     if (status == RK_OK) {
         qsort(passes, count, sizeof *passes, by_whole);
         *timing = passes[count / 2];
-        share_out(timing, median(wholes, count));
-        scale(timing, steps);
+        share_out(timing, bench_median(wholes, count));
+        scale(timing, steps, method == ALL_PAIRS || steps == STEPS ? timing->builds : lists);
     }
     return status;
 }
@@ -163,6 +167,10 @@ static void print_notes(const struct bed *bed, const struct timing t[METHODS]) {
     printf("\n");
     if (t[ALL_PAIRS].scaled) {
         printf("  all pairs: timed for fewer steps and scaled to %d; its one list is not\n", STEPS);
+    }
+    if (t[LIST].scaled) {
+        printf("  list: timed for %d steps and scaled; as many lists are made as with cells\n",
+               SHORT);
     }
     if (!t[ALL_PAIRS].there) {
         printf("  all pairs: refused, %.2g pairs a step are more than a list holds\n",
@@ -251,10 +259,10 @@ enum rk_status foley_table(bool full, struct rk_error *err) {
         struct timing brute, list;
         status = bed_settle(row->particles - 1, 1, &bed, err); /* and the intruder */
         if (status == RK_OK) {
-            status = time_method(&bed, ALL_PAIRS, full, &brute, err);
+            status = time_method(&bed, CELLS, full, 0, &list, err);
         }
         if (status == RK_OK) {
-            status = time_method(&bed, CELLS, full, &list, err);
+            status = time_method(&bed, ALL_PAIRS, full, list.builds, &brute, err);
         }
         if (status == RK_OK) {
             printf("  %9zu %11.6f %11.6f %8.1f  | %11.6f %11.6f %8.1f\n", bed.grains,

@@ -9,15 +9,16 @@ enum { STEPS = 1000 }; /* of every table of both theses */
 /* 1000 steps of one method: seconds of the processor. */
 struct timing {
     bool there;  /* false: not measured */
-    bool scaled; /* from fewer steps; lists, which all pairs need one of, are not scaled */
+    bool scaled; /* from fewer steps */
     double phase[RK_PHASE_COUNT], whole;
     double builds;          /* of the list */
     double pairs, contacts; /* looked at and touching, a grain and a step */
     double bytes;           /* of the scene */
 };
 
-/* All pairs are timed for fewer steps, unless `full`, where they would take minutes. */
-enum rk_status time_method(const struct bed *bed, enum method method, bool full,
+/* Fewer steps are timed, unless `full`, where STEPS would take minutes; a list is then taken to be
+ * made `lists` times. */
+enum rk_status time_method(const struct bed *bed, enum method method, bool full, double lists,
                            struct timing *timing, struct rk_error *err);
 
 /* The routines of one size, beside the thesis's where it has that size. */

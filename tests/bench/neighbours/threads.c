@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 /* Looks at pairs, or grain-steps, that one turn comes to. */
-static const double turn_looks = 2e8, turn_grain_steps = 4e6;
+static const double turn_looks = 5e7, turn_grain_steps = 4e6;
 
 /* Pairs in one list above which making it, which is one thread's, would be most of a turn: where
  * the near ones are looked for, and where all are kept. */
@@ -51,10 +51,10 @@ enum rk_status time_threads(const struct bed *bed, enum method method, size_t mo
         for (int k = 0; k < TURNS; k++) {
             ratios[k] = seconds[0][k] / seconds[p][k];
         }
-        curve->speedup[p] = median(ratios, TURNS);
+        curve->speedup[p] = bench_median(ratios, TURNS);
         curve->low[p] = ratios[0];
         curve->high[p] = ratios[TURNS - 1];
-        curve->seconds[p] = median(seconds[p], TURNS);
+        curve->seconds[p] = bench_median(seconds[p], TURNS);
     }
     return status;
 }

@@ -4,7 +4,7 @@
 
 #include "bed.h"
 
-enum { THREADS_MOST = 64, TURNS = 7 };
+enum { THREADS_MOST = 64, TURNS = 5 };
 
 /* The curve of one method and size: wall seconds of a number of steps. */
 struct curve {
