@@ -7,7 +7,7 @@
  *     /observables/<point>/interval         between two samples
  *     /observables/<point>/<probe>/<column> [replica][sample], a virtual dataset over the files of
  *                                           the done runs; NaN where `complete` is 0
- *     /observables/<point>/<probe>/<column>.parts   of many replicas: what that is put together from
+ *     /observables/<point>/<probe>/<column>.parts   of many replicas: what it is made of
  *     /analysis                             whatever the analyses add
  *
  * It is built from scratch and replaced by a rename; the same runs give the same bytes. It links by

