@@ -79,7 +79,7 @@ bool rk_param_is_technical(struct rk_param_ref ref) {
 bool rk_param_prepares(struct rk_param_ref ref) {
     bool group =
         ref.group->part == RK_PART_PREPARES || ref.group->part == RK_PART_PREPARES_TECHNICAL;
-    return group && !ref.row->after_preparation && !ref.row->speed_only;
+    return group && !ref.row->after_preparation && !ref.row->silent;
 }
 
 void rk_param_preparation(const struct rk_param_table *table, const void *values, void *prepared) {
@@ -87,7 +87,7 @@ void rk_param_preparation(const struct rk_param_table *table, const void *values
     memcpy(prepared, values, table->size);
     for (size_t i = 0; i < total; i++) {
         struct rk_param_ref ref = rk_param_at(table, i);
-        if (!rk_param_prepares(ref) && !ref.row->speed_only) {
+        if (!rk_param_prepares(ref) && !ref.row->silent) {
             set_default(ref, prepared);
         }
     }
@@ -120,7 +120,8 @@ void rk_param_range(const struct rk_param *row, char *text, size_t size) {
     } else {
         const char *what = row->type == RK_PARAM_COUNT ? "a whole number" : "a number";
         const char *least = row->above_low ? "above" : "of at least";
-        size_t used = (size_t)snprintf(text, size, "%s", what);
+        size_t used = (size_t)snprintf(text, size, "%s%s%s", row->zero ? row->zero : "",
+                                       row->zero ? " or " : "", what);
         if (isfinite(row->low) && used < size) {
             used += (size_t)snprintf(text + used, size - used, " %s %g", least, row->low);
         }
@@ -161,6 +162,10 @@ static bool parse_real(const struct rk_param *row, const char *text, double *x) 
 /* Counts may be written 25000 or 2.5e4, but not 2.5 and not above 2^53. */
 static bool parse_count(const struct rk_param *row, const char *text, uint64_t *count) {
     double x;
+    if (row->zero && strcmp(text, row->zero) == 0) {
+        *count = 0;
+        return true;
+    }
     if (!parse_real(row, text, &x) || x < 0 || x > 0x1p53 || x != floor(x)) {
         return false;
     }
@@ -254,6 +259,9 @@ void rk_param_text(struct rk_param_ref ref, const void *values, char text[RK_PAR
         break;
     case RK_PARAM_COUNT:
         snprintf(text, RK_PARAM_TEXT, "%llu", (unsigned long long)*(const uint64_t *)value);
+        if (ref.row->zero && *(const uint64_t *)value == 0) {
+            snprintf(text, RK_PARAM_TEXT, "%s", ref.row->zero);
+        }
         break;
     case RK_PARAM_FLAG:
         snprintf(text, RK_PARAM_TEXT, "%s", *(const bool *)value ? "yes" : "no");

@@ -35,20 +35,22 @@ struct rk_param {
     double low, high;   /* the range of REAL and COUNT, both ends included ... */
     bool above_low;     /* ... unless the low end is not */
     const struct rk_registry *choices;
+    const char *zero; /* of a COUNT: the word for 0, which may be below the range; or NULL */
     const char *doc;
     /* How far something goes and nothing of what happens on the way: with a larger value the same
      * run goes on, so that runs of another value are not another's. */
     bool extends;
-    bool later; /* it came when studies had been run: at its default no key or identity has it */
+    bool time_step; /* a run that went wrong may be tried again with a smaller one */
+    bool later;  /* it came when studies had been run: at its default no key or identity has it */
+    bool silent; /* nothing of a run depends on it: no key, identity or run's file has it */
     bool after_preparation; /* of a group that prepares: this one does not, see below */
-    bool speed_only; /* how fast it is computed, in no number: also what is prepared has it */
 };
 
 /* A run begins from something prepared (a settled bed), which runs with the same preparation share.
  * Every group of a scene's parameters says what it is for. What "prepares" enters the preparation;
- * the preparation is made with all other parameters at their defaults, so that it cannot depend on
- * them. "Technical" is how something is computed and watched, not what it is: the random numbers do
- * not depend on it. */
+ * the preparation is made with all other parameters at their defaults (but for silent ones), so
+ * that it cannot depend on them. "Technical" is how something is computed and watched, not what it
+ * is: the random numbers do not depend on it. */
 enum rk_param_part {
     RK_PART_NONE = 0,           /* not of a scene */
     RK_PART_PREPARES,           /* what the scene is, from its beginning */

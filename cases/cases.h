@@ -24,7 +24,8 @@ struct rk_run_spec {
     uint64_t periods; /* length of a run, in drive periods */
     uint64_t samples; /* observables: samples a period */
     uint64_t frames;  /* grains: a frame every so many periods, 0 for the first and last only */
-    uint64_t threads; /* that step one run: they change nothing in what comes out */
+    uint64_t threads; /* that step one run, 0: chosen while it runs; nothing in what comes out
+                         changes with it */
 };
 enum { RK_RUN_PARAMS = 4 };
 extern const struct rk_param rk_run_params[RK_RUN_PARAMS];
@@ -60,9 +61,11 @@ struct rk_preparation {
     uint64_t state; /* enum rk_prepared */
 };
 
-/* Asked now and then during a long preparation: true means give up (RK_EINTERRUPTED). */
+/* Asked now and then during a long preparation: true means give up (RK_EINTERRUPTED). `between` (or
+ * NULL) is called as often, between two steps: the scene may be given another number of threads. */
 struct rk_cancel {
     bool (*asked)(void *context);
+    void (*between)(void *context, struct rk_scene *scene);
     void *context;
 };
 

@@ -20,6 +20,9 @@ enum rk_status rk_case_settle(const struct rk_case *scene_case, const void *prep
         if (cancel && cancel->asked(cancel->context)) {
             return rk_fail(err, RK_EINTERRUPTED, "stopped while the bed was settling");
         }
+        if (cancel && cancel->between) {
+            cancel->between(cancel->context, scene);
+        }
         status = scene_case->settle(prepared, scene, preparation, err);
     }
     return status;

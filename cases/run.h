@@ -7,9 +7,9 @@
 /* The row of `threads`, for cases with another "run" group. */
 #define RK_RUN_THREADS(at)                                                                         \
     {                                                                                              \
-        .name = "threads", .type = RK_PARAM_COUNT, .offset = (at), .unit = "", .value = 1,         \
-        .low = 1, .high = 256, .later = true, .speed_only = true,                                  \
-        .doc = "threads that step one run, where runs go one at a time; the numbers are the same"  \
+        .name = "threads", .type = RK_PARAM_COUNT, .offset = (at), .unit = "", .value = 0,         \
+        .low = 1, .high = 256, .zero = "auto", .silent = true,                                     \
+        .doc = "threads that step one run, auto: more than one where cores are idle and it pays"   \
     }
 
 /* A period is cut into whole samples and these into whole steps: dt is the largest step not above

@@ -81,6 +81,10 @@ enum rk_status rk_scene_hold(struct rk_scene *scene, uint32_t tag, bool held, st
 enum rk_status rk_scene_set_gravity(struct rk_scene *scene, const struct rk_gravity_spec *gravity,
                                     struct rk_error *err);
 
+/* Between two steps: as many threads from here on; the bytes are the same. RK_EINVALID, RK_EMEMORY:
+ * it stays as it was. */
+enum rk_status rk_scene_set_threads(struct rk_scene *scene, size_t threads, struct rk_error *err);
+
 /* The gravity that the forces of the last step felt. */
 void rk_scene_gravity(const struct rk_scene *scene, double gravity[2]);
 

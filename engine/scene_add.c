@@ -8,6 +8,7 @@
 #include "engine/ledger.h"
 #include "engine/movers.h"
 #include "engine/scene.h"
+#include "engine/shares.h"
 #include "engine/walls.h"
 
 #include <math.h>
@@ -221,6 +222,10 @@ enum rk_status rk_scene_hold(struct rk_scene *scene, uint32_t tag, bool held,
         g->omega[i] = g->alpha[i] = 0;
     }
     return RK_OK;
+}
+
+enum rk_status rk_scene_set_threads(struct rk_scene *scene, size_t threads, struct rk_error *err) {
+    return threads == scene->share_count ? RK_OK : rk_shares_renew(scene, threads, err);
 }
 
 void rk_scene_set_neighbours(struct rk_scene *scene, const struct rk_piece *method) {

@@ -30,6 +30,7 @@ const struct rk_param rk_accuracy_params[RK_ACCURACY_PARAMS] = {
      .above_low = true,
      .high = 2,
      .doc = "time step, at most, m the mass of a mean grain: 0.01 is Martins 2021 for shaking",
+     .time_step = true,
      .after_preparation = true},
     {.name = "integrator",
      .type = RK_PARAM_PIECE,

@@ -18,11 +18,32 @@ enum rk_status rk_shares_create(struct rk_scene *scene, struct rk_error *err) {
     return scene->shares ? RK_OK : rk_fail(err, RK_EMEMORY, "no memory for %zu threads", threads);
 }
 
-void rk_shares_free(struct rk_scene *scene) {
-    for (size_t t = 0; scene->shares && t < scene->share_count; t++) {
-        free(scene->shares[t].found.second);
+static void free_shares(struct rk_share *shares, size_t count) {
+    for (size_t t = 0; shares && t < count; t++) {
+        free(shares[t].found.second);
     }
-    free(scene->shares);
+    free(shares);
+}
+
+void rk_shares_free(struct rk_scene *scene) {
+    free_shares(scene->shares, scene->share_count);
+}
+
+enum rk_status rk_shares_renew(struct rk_scene *scene, size_t threads, struct rk_error *err) {
+    struct rk_share *before = scene->shares;
+    size_t count = scene->share_count, asked = scene->spec.threads;
+    rk_shares_gather(scene); /* what contacts remember, for the next list */
+    scene->spec.threads = threads;
+    enum rk_status status = rk_shares_create(scene, err);
+    if (status != RK_OK) {
+        scene->shares = before;
+        scene->share_count = count;
+        scene->spec.threads = asked;
+        return status;
+    }
+    free_shares(before, count);
+    scene->neighbours.valid = scene->neighbours.close_valid = false;
+    return RK_OK;
 }
 
 void rk_shares_run(struct rk_scene *scene, rk_share_work *const works[], size_t count,

@@ -17,6 +17,10 @@
 enum rk_status rk_shares_create(struct rk_scene *scene, struct rk_error *err);
 void rk_shares_free(struct rk_scene *scene);
 
+/* Others for another number of threads; the next step lists the pairs anew. On failure all is as it
+ * was. */
+enum rk_status rk_shares_renew(struct rk_scene *scene, size_t threads, struct rk_error *err);
+
 /* What one thread does of a piece of work, for its share. */
 typedef void rk_share_work(struct rk_scene *scene, size_t share, const void *data);
 

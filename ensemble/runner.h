@@ -2,7 +2,8 @@
  *
  * Runs share nothing, so each is carried out by one thread, the longest first. A stop request
  * (Ctrl-C) lets every running replica write a checkpoint and end; finished ones are untouched. A
- * replica that goes wrong is recorded as failed and does not stop the others.
+ * replica that goes wrong is tried again with smaller steps if the study says so (retry), recorded
+ * as failed in the end, and does not stop the others.
  *
  * Several programs may work in one folder: each run is claimed by one of them (store/claim.h), what
  * one leaves when it dies is taken over by the others, and who leaves last builds the index.
@@ -24,9 +25,10 @@ struct rk_progress {
 struct rk_ranks;
 
 struct rk_runner_options {
-    int threads;                 /* 0: as many as OpenMP gives */
+    int threads;                 /* 0: as many as OpenMP gives, over those of a scene if fixed */
     struct rk_ranks *ranks;      /* runner/ranks.h; NULL: this process decides for itself */
     size_t shard, shards;        /* only that part of the plan, 1 <= shard <= shards; 0, 0: all */
+    bool retry_failed;           /* runs that are there as failed are done again from the start */
     double checkpoint_every;     /* seconds of wall time between two checkpoints of a run */
     bool (*stop)(void *context); /* asked often; may be NULL */
     void (*progress)(void *context, const struct rk_progress *p); /* about once a second; or NULL */

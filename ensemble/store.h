@@ -54,14 +54,20 @@ enum rk_run_state { RK_RUN_WAITING, RK_RUN_STARTED, RK_RUN_DONE, RK_RUN_FAILED }
 
 /* What the folder says of a run. DONE and FAILED both have a complete file; FAILED is a run that
  * went numerically wrong, its reason is kept in the file. A damaged file, or one of another study
- * or of a shorter run than asked for, counts as WAITING, or STARTED where there is a checkpoint to
- * go on from; what is looked at is its seal and its length (seal.h), while rk_store_read and
- * the runner check every byte. `reason` (NULL if not wanted) gets the reason of a FAILED run, ""
- * otherwise. */
+ * or of a shorter run than asked for, or of a run that failed and is to be tried again, counts as
+ * WAITING, or STARTED where there is a checkpoint to go on from; what is looked at is its seal and
+ * its length (seal.h), while rk_store_read and the runner check every byte. */
 enum rk_run_state rk_store_run_state(const char *folder, const struct rk_plan *plan,
                                      const struct rk_run *run);
-enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_plan *plan,
-                                      const struct rk_run *run, char reason[512]);
+
+/* The same, and what more is known of a run that is DONE or FAILED. */
+struct rk_run_facts {
+    enum rk_run_state state;
+    uint64_t retries; /* with smaller steps; 0: it went well the first time */
+    char reason[512]; /* of a FAILED run, "" otherwise */
+};
+struct rk_run_facts rk_store_run_facts(const char *folder, const struct rk_plan *plan,
+                                       const struct rk_run *run);
 
 /* Finished runs in the folder that the plan does not ask for (any more): more replicas. */
 size_t rk_store_surplus(const char *folder, const struct rk_plan *plan);

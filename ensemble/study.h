@@ -20,6 +20,7 @@
  *     sweep:                              # optional (study/sweep.h): of every point, a grid
  *       - drive.acceleration: [1.2, 1.5, 1.8]
  *     until: {analysis: rise, quantity: rate, half_width: 0.01, max_replicas: 100}   # optional
+ *     retry: {step: 0.5, times: 2}        # optional: runs that go wrong, with smaller time steps
  *     keep: checkpoint                    # or results, the default: a finished run's last
  *                                         # checkpoint and spool, for runs that may become longer
  *     analyses:
@@ -77,6 +78,17 @@ struct rk_until {
 };
 extern const struct rk_param_table rk_until_params; /* half_width, level, max_replicas, batch */
 
+/* A run that goes wrong numerically is done again from its start, up to `times` times, with every
+ * time step (rows that are `time_step`) `step` times what it was in the try before. Its bed is made
+ * of the same random numbers. So its bytes still depend on the study alone, and its file, the index
+ * and the reports tell. */
+struct rk_retry {
+    double step;
+    uint64_t times; /* 0: it stays failed */
+};
+enum { RK_RETRIES_MAX = 8 };
+extern const struct rk_param_table rk_retry_params;
+
 struct rk_study {
     char name[RK_NAME];
     const struct rk_case *scene;
@@ -92,6 +104,7 @@ struct rk_study {
     struct rk_request *requests;
     size_t request_count;
     struct rk_until until;
+    struct rk_retry retry;
 };
 
 /* Read and resolve a study file. *study is the caller's, free with rk_study_free.
@@ -133,8 +146,8 @@ struct rk_plan_point {
 
 struct rk_plan {
     const struct rk_study *study;
-    char identity[RK_IDENTITY];   /* of all its points, not of the number of their replicas and not
-                                     of the analyses */
+    char identity[RK_IDENTITY];   /* of all its points and of `retry`, not of the number of their
+                                     replicas and not of the analyses */
     struct rk_plan_point *points; /* [study->point_count] */
     struct rk_run *runs;
     size_t count;
@@ -169,5 +182,16 @@ struct rk_bed {
 enum rk_status rk_bed_of(const struct rk_study *study, const struct rk_point *point,
                          const void *params, uint64_t replica, struct rk_bed *bed,
                          struct rk_error *err);
+
+/* Every time step of a `retries`-th retry over the study's own. */
+double rk_retry_step(const struct rk_retry *retry, uint64_t retries);
+/* The parameters of a point for its `retries`-th retry; `params` has room for them. */
+void rk_retry_point(const struct rk_study *study, const struct rk_point *point, uint64_t retries,
+                    void *params);
+
+/* The threads that the study gives each scene of a point (run.threads), 0: none in particular; and
+ * the most that it gives to any. */
+uint64_t rk_study_threads(const struct rk_study *study, size_t point);
+uint64_t rk_study_most_threads(const struct rk_study *study);
 
 #endif

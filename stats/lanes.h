@@ -24,7 +24,7 @@
 
 enum { LANES = 4 };
 typedef double rk_lanes __attribute__((vector_size(LANES * sizeof(double))));
-typedef int64_t rk_bits __attribute__((vector_size(LANES * sizeof(int64_t))));
+typedef uint64_t rk_bits __attribute__((vector_size(LANES * sizeof(uint64_t))));
 
 /* *y = exp(*x), x <= 0. Pointers, because how vectors are handed over depends on the processor. */
 static inline __attribute__((always_inline)) void rk_lanes_exp(rk_lanes *y, const rk_lanes *x) {
@@ -33,7 +33,7 @@ static inline __attribute__((always_inline)) void rk_lanes_exp(rk_lanes *y, cons
                                     1. / 120,        1. / 24,        1. / 6,        0.5};
     const double round = 0x1.8p52; /* added, it leaves whole numbers in the lowest bits */
     const rk_lanes least = {-1000, -1000, -1000, -1000}; /* far below what vanishes */
-    rk_bits vanishes = *x < least;
+    rk_bits vanishes = (rk_bits)(*x < least);
     rk_lanes at = (rk_lanes)((vanishes & (rk_bits)least) | (~vanishes & (rk_bits)*x));
     rk_lanes k = (at * 0x1.71547652b82fep0 + round) - round;
     rk_lanes r = (at - k * 0x1.62e42fefa3800p-1) - k * 0x1.ef35793c76730p-45;

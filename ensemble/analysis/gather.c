@@ -6,9 +6,22 @@
 #include "stats/data.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+void rk_notice_say(const struct rk_notice *notice, const char *format, ...) {
+    if (notice && notice->say) {
+        char line[900];
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(line, sizeof line, format, arguments);
+        va_end(arguments);
+        notice->say(notice->context, line);
+    }
+}
 
 void rk_gathered_clear(struct rk_gathered *g) {
     free(g->values);
@@ -80,10 +93,12 @@ enum rk_status rk_gather(const char *folder, const struct rk_plan *plan, size_t 
                        g->samples, study->points[point].name);
     }
     for (size_t r = 0; r < replicas; r++) {
-        enum rk_run_state state = rk_store_run_state(folder, plan, &runs[r]);
-        if (state == RK_RUN_DONE && g->done < done) {
+        struct rk_run_facts facts = rk_store_run_facts(folder, plan, &runs[r]);
+        size_t before = g->done;
+        if (facts.state == RK_RUN_DONE && before < done) {
             add_run(folder, plan, &runs[r], observable, notice, g);
-        } else if (state == RK_RUN_FAILED) {
+            g->retried += facts.retries > 0 && g->done > before;
+        } else if (facts.state == RK_RUN_FAILED) {
             g->failed++;
         } else {
             g->missing++;

@@ -239,11 +239,14 @@ static void headline(const struct rk_result *result, FILE *out) {
     }
 }
 
+static const char *const quantities[] = {"minimum", "at_zero", "curvature", NULL};
+
 static const struct rk_analysis_methods methods = {
     .check = check,
     .estimate = estimate,
     .title = "large-deviation function of the intruder's vertical velocity, relative to the plate",
     .head = head,
+    .quantities = quantities,
     .headline = headline,
     .picture = rk_ldf_draw_curve,
 };

@@ -34,7 +34,8 @@ static const struct rk_param rows[] = {
      .doc = "probability that an interval is to cover"},
 };
 /* clang-format on */
-static const struct rk_param_group groups[] = {{"", rows, sizeof rows / sizeof *rows, 0, RK_PART_NONE}};
+static const struct rk_param_group groups[] = {
+    {"", rows, sizeof rows / sizeof *rows, 0, RK_PART_NONE}};
 static const struct rk_param_table table = {groups, 1, sizeof(struct options)};
 
 static enum rk_status check(const void *params, const struct rk_schedule *schedule,
@@ -156,11 +157,15 @@ static void picture(const struct rk_picture *p, FILE *out) {
     fprintf(out, "unset multiplot\n");
 }
 
+static const char *const quantities[] = {"q",       "q_scale",    "q_location", "b",
+                                         "b_scale", "b_location", NULL};
+
 static const struct rk_analysis_methods methods = {
     .check = check,
     .estimate = estimate,
     .title = "density of the intruder's vertical velocity, relative to the plate",
     .head = head,
+    .quantities = quantities,
     .headline = headline,
     .picture = picture,
     .panels = true,

@@ -60,7 +60,9 @@ struct rk_analysis_methods {
     void (*headline)(const struct rk_result *result, FILE *out);
     /* Write the gnuplot commands of its picture after those that open it. */
     void (*picture)(const struct rk_picture *picture, FILE *out);
-    bool panels; /* one panel a point, otherwise all points in one */
+    bool panels;                   /* one panel a point, otherwise all points in one */
+    const char *const *quantities; /* the scalars that it gives an interval, NULL at the end: what
+                                      `until` may be about */
 };
 
 extern const struct rk_analysis rk_analysis_rise, rk_analysis_ldf, rk_analysis_pdf,

@@ -11,7 +11,8 @@
 #include <stdint.h>
 #include <stdlib.h>
 
-static const struct rk_param_group groups[] = {{"", rk_relax_params, RK_RELAX_PARAMS, 0, RK_PART_NONE}};
+static const struct rk_param_group groups[] = {
+    {"", rk_relax_params, RK_RELAX_PARAMS, 0, RK_PART_NONE}};
 static const struct rk_param_table table = {groups, 1, sizeof(struct rk_relax_options)};
 
 /* Rows of the table: more could not be told apart in a picture. */
@@ -163,11 +164,14 @@ static void picture(const struct rk_picture *p, FILE *out) {
     fprintf(out, "unset multiplot\n");
 }
 
+static const char *const quantities[] = {"time", "final", "initial", "exponent", "second", NULL};
+
 static const struct rk_analysis_methods methods = {
     .check = check,
     .estimate = estimate,
     .title = "relaxation of the intruder's height above the plate",
     .head = head,
+    .quantities = quantities,
     .headline = headline,
     .picture = picture,
     .panels = true,

@@ -3,20 +3,8 @@
 #include "ensemble/analysis/private.h"
 #include "stats/stats.h"
 
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-
-void rk_notice_say(const struct rk_notice *notice, const char *format, ...) {
-    if (notice && notice->say) {
-        char line[900];
-        va_list arguments;
-        va_start(arguments, format);
-        vsnprintf(line, sizeof line, format, arguments);
-        va_end(arguments);
-        notice->say(notice->context, line);
-    }
-}
 
 /* The runs of a point, and how an analysis sees them. */
 struct gathered_point {
@@ -53,6 +41,7 @@ static void count(struct rk_outcome *outcome, const struct rk_gathered *g) {
     outcome->used += g->done;
     outcome->failed += g->failed;
     outcome->missing += g->missing;
+    outcome->retried += g->retried;
 }
 
 static enum rk_status estimate(const struct gathered_point *point, const struct rk_request *request,
@@ -181,6 +170,9 @@ enum rk_status rk_report_create(const char *folder, const struct rk_plan *plan,
         status = fill(folder, notice, made, err);
     }
     if (status == RK_OK) {
+        status = rk_target_look(folder, plan, &made->targets, err);
+    }
+    if (status == RK_OK) {
         *report = made;
     } else {
         rk_report_free(made);
@@ -201,5 +193,6 @@ void rk_report_free(struct rk_report *report) {
         rk_point_values_clear(&entry->values);
     }
     free(report->entries);
+    free(report->targets);
     free(report);
 }

@@ -7,8 +7,10 @@
 #ifndef RK_ENSEMBLE_ANALYSIS_REPORT_H
 #define RK_ENSEMBLE_ANALYSIS_REPORT_H
 
+#include "ensemble/analysis/notice.h"
 #include "ensemble/analysis/private.h"
 #include "ensemble/analysis/result.h"
+#include "ensemble/analysis/target.h"
 #include "ensemble/study.h"
 
 #include <stdio.h>
@@ -28,16 +30,9 @@ struct rk_report {
     const struct rk_plan *plan;
     struct rk_report_entry *entries;
     size_t count;
-    size_t used; /* runs */
+    size_t used;                       /* runs */
+    struct rk_target_outcome *targets; /* [points] of the study's `until`, NULL without one */
 };
-
-/* Told about what is left out or not drawn. NULL, or without a function, it is not told. */
-struct rk_notice {
-    void (*say)(void *context, const char *line);
-    void *context;
-};
-void rk_notice_say(const struct rk_notice *notice, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
 
 /* One observable of the runs of a point that are done: values[run * samples + i], of which the
  * first lengths[run] are there. */
@@ -46,6 +41,7 @@ struct rk_gathered {
     size_t *lengths;
     uint64_t *beds; /* that they began from, as rk_plan_bed counts */
     size_t samples, done, failed, missing;
+    size_t retried; /* of those done, with smaller steps after failing */
     double interval;
 };
 
@@ -90,9 +86,9 @@ enum rk_status rk_report_plot_as(const struct rk_picture *model, const char *end
 /* The names of the files that rk_report_write wrote. */
 void rk_report_print_files(const struct rk_report *report, const char *folder, FILE *out);
 
-/* The closing table, and the same for machines. */
-void rk_report_print(const struct rk_report *report, FILE *out);
-void rk_report_print_json(const struct rk_report *report, FILE *out);
+/* The closing table, and the same for machines; `rate` as in target.h. */
+void rk_report_print(const struct rk_report *report, double rate, FILE *out);
+void rk_report_print_json(const struct rk_report *report, double rate, FILE *out);
 
 /* One analysis as JSON, as in LABEL.json. */
 void rk_report_entry_json(const struct rk_report *report, const struct rk_report_entry *entry,

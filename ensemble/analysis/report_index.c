@@ -15,15 +15,23 @@ static void write_value(struct rk_h5 *h5, hid_t group, const struct rk_value *va
     rk_h5_describe(h5, group, value->name, value->doc);
 }
 
+static void note_number(struct rk_h5 *h5, hid_t group, const char *name, double x) {
+    rk_h5_note_value(h5, group, name, RK_H5_REAL, 0, &x);
+}
+
+static void note_count(struct rk_h5 *h5, hid_t group, const char *name, uint64_t n) {
+    rk_h5_note_value(h5, group, name, RK_H5_COUNT, 0, &n);
+}
+
 static void write_outcome(struct rk_h5 *h5, hid_t parent, const struct rk_outcome *outcome) {
     hid_t group = rk_h5_group(h5, parent, outcome->point);
-    uint64_t counts[] = {outcome->used, outcome->failed, outcome->missing};
     uint8_t refused = outcome->result.refused;
     rk_h5_note(h5, group, "verdict", outcome->result.verdict);
     rk_h5_note_value(h5, group, "refused", RK_H5_BYTE, 0, &refused);
-    rk_h5_note_value(h5, group, "used", RK_H5_COUNT, 0, &counts[0]);
-    rk_h5_note_value(h5, group, "failed", RK_H5_COUNT, 0, &counts[1]);
-    rk_h5_note_value(h5, group, "missing", RK_H5_COUNT, 0, &counts[2]);
+    note_count(h5, group, "used", outcome->used);
+    note_count(h5, group, "failed", outcome->failed);
+    note_count(h5, group, "missing", outcome->missing);
+    note_count(h5, group, "retried", outcome->retried);
     for (size_t i = 0; i < outcome->result.count; i++) {
         write_value(h5, group, &outcome->result.values[i]);
     }
@@ -41,11 +49,41 @@ static void write_entry(struct rk_h5 *h5, hid_t parent, const struct rk_report_e
     rk_h5_release(h5, group);
 }
 
+/* What became of the precision that the study asks for. */
+static void write_until(struct rk_h5 *h5, hid_t parent, const struct rk_report *report) {
+    const struct rk_until *until = &report->plan->study->until;
+    hid_t all = rk_h5_group(h5, parent, "until");
+    rk_h5_note(h5, all, "analysis", until->request->analysis->piece.name);
+    rk_h5_note(h5, all, "quantity", until->quantity);
+    rk_provenance_notes(h5, all, &rk_until_params, until);
+    for (size_t p = 0; p < report->plan->study->point_count; p++) {
+        const struct rk_target_outcome *o = &report->targets[p];
+        const uint8_t flags[] = {o->target.decided, o->target.capped};
+        hid_t group = rk_h5_group(h5, all, report->plan->study->points[p].name);
+        rk_h5_note_value(h5, group, "decided", RK_H5_BYTE, 0, &flags[0]);
+        rk_h5_note(h5, group, "why_not", o->target.why);
+        note_number(h5, group, "estimate", o->estimate);
+        note_number(h5, group, "half_width", o->half_width);
+        note_number(h5, group, "deviation", o->target.deviation);
+        note_count(h5, group, "pilot", o->target.pilot);
+        note_count(h5, group, "replicas", o->target.replicas);
+        note_count(h5, group, "used", o->used);
+        note_count(h5, group, "missing", o->missing);
+        rk_h5_note_value(h5, group, "max_replicas_met", RK_H5_BYTE, 0, &flags[1]);
+        note_number(h5, group, "grain_steps_at_most", o->grain_steps);
+        rk_h5_release(h5, group);
+    }
+    rk_h5_release(h5, all);
+}
+
 static void write_report(struct rk_h5 *h5, const void *context) {
     const struct rk_report *report = context;
     hid_t group = rk_h5_group(h5, h5->file, "analysis");
     for (size_t i = 0; i < report->count; i++) {
         write_entry(h5, group, &report->entries[i]);
+    }
+    if (report->targets) {
+        write_until(h5, group, report);
     }
     rk_h5_release(h5, group);
 }

@@ -59,17 +59,23 @@ static void print_entry(const struct rk_report_entry *entry, const struct rk_stu
         fputc('\n', out);
     }
     for (size_t p = 0; p < entry->outcome_count; p++) {
-        fprintf(out, "  %s: %s\n", entry->outcomes[p].point, entry->outcomes[p].result.verdict);
+        const struct rk_outcome *o = &entry->outcomes[p];
+        if (o->retried > 0) {
+            fprintf(out, "  %s: %zu of %zu replicas %s run with smaller time steps after failing\n",
+                    o->point, o->retried, o->used, o->retried == 1 ? "was" : "were");
+        }
+        fprintf(out, "  %s: %s\n", o->point, o->result.verdict);
     }
 }
 
-void rk_report_print(const struct rk_report *report, FILE *out) {
+void rk_report_print(const struct rk_report *report, double rate, FILE *out) {
     for (size_t i = 0; i < report->count; i++) {
         if (i > 0) {
             fputc('\n', out);
         }
         print_entry(&report->entries[i], report->plan->study, out);
     }
+    rk_target_print(report->plan, report->targets, rate, out);
 }
 
 static void write_entry(const struct rk_report_entry *entry, struct rk_json *json) {
@@ -91,6 +97,7 @@ static void write_entry(const struct rk_report_entry *entry, struct rk_json *jso
         rk_json_count(json, "used", o->used);
         rk_json_count(json, "failed", o->failed);
         rk_json_count(json, "missing", o->missing);
+        rk_json_count(json, "retried", o->retried);
         rk_result_write_json(&o->result, json);
         rk_json_close(json);
     }
@@ -114,7 +121,7 @@ void rk_report_entry_json(const struct rk_report *report, const struct rk_report
     rk_json_close(&json);
 }
 
-void rk_report_print_json(const struct rk_report *report, FILE *out) {
+void rk_report_print_json(const struct rk_report *report, double rate, FILE *out) {
     struct rk_json json = rk_json_of(out);
     rk_json_open_map(&json, NULL);
     write_study(report, &json);
@@ -125,5 +132,6 @@ void rk_report_print_json(const struct rk_report *report, FILE *out) {
         rk_json_close(&json);
     }
     rk_json_close(&json);
+    rk_target_json(report->plan, report->targets, rate, &json);
     rk_json_close(&json);
 }

@@ -152,14 +152,16 @@ void rk_outcomes_write_csv(const struct rk_outcome *outcomes, size_t count, FILE
         model = outcomes[p].result.count > 0 ? &outcomes[p].result : NULL;
     }
     size_t names = model ? model->count : 0;
-    fprintf(out, "# used, failed, missing: replicas that the estimate is made of, that went wrong "
-                 "numerically, that are not done\n");
+    fprintf(out,
+            "# used, failed, missing, retried: replicas that the estimate is made of, that went "
+            "wrong numerically, that are not done; of those used, with smaller time steps after "
+            "failing\n");
     for (size_t i = 0; i < names; i++) {
         if (model->values[i].scalar) {
             describe(&model->values[i], out);
         }
     }
-    fprintf(out, "point,used,failed,missing");
+    fprintf(out, "point,used,failed,missing,retried");
     for (size_t i = 0; i < names; i++) {
         if (model->values[i].scalar) {
             fprintf(out, ",%s", model->values[i].name);
@@ -168,7 +170,7 @@ void rk_outcomes_write_csv(const struct rk_outcome *outcomes, size_t count, FILE
     fprintf(out, ",verdict\n");
     for (size_t p = 0; p < count; p++) {
         const struct rk_outcome *o = &outcomes[p];
-        fprintf(out, "%s,%zu,%zu,%zu", o->point, o->used, o->failed, o->missing);
+        fprintf(out, "%s,%zu,%zu,%zu,%zu", o->point, o->used, o->failed, o->missing, o->retried);
         for (size_t i = 0; i < names; i++) {
             if (model->values[i].scalar) {
                 double x = rk_result_number(&o->result, model->values[i].name);

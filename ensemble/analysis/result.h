@@ -61,6 +61,7 @@ void rk_result_write_csv(const struct rk_result *result, FILE *out);
 struct rk_outcome {
     const char *point;
     size_t used, failed, missing; /* replicas */
+    size_t retried;               /* of those used, with smaller steps after failing */
     struct rk_result result;
 };
 

@@ -10,7 +10,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-static const struct rk_param_group groups[] = {{"", rk_rate_params, RK_RATE_PARAMS, 0, RK_PART_NONE}};
+static const struct rk_param_group groups[] = {
+    {"", rk_rate_params, RK_RATE_PARAMS, 0, RK_PART_NONE}};
 static const struct rk_param_table table = {groups, 1, sizeof(struct rk_rate_options)};
 
 /* Rows of the height table: more could not be told apart in a picture. */
@@ -181,11 +182,14 @@ static void picture(const struct rk_picture *p, FILE *out) {
     fprintf(out, "unset multiplot\n");
 }
 
+static const char *const quantities[] = {"rate", "velocity", NULL};
+
 static const struct rk_analysis_methods methods = {
     .check = check,
     .estimate = estimate,
     .title = "rise rate of the intruder above the plate",
     .head = head,
+    .quantities = quantities,
     .headline = headline,
     .picture = picture,
     .panels = true,

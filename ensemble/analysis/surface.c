@@ -159,11 +159,14 @@ static void picture(const struct rk_picture *p, FILE *out) {
     fprintf(out, "unset multiplot\n");
 }
 
+static const char *const quantities[] = {"median", "mean", NULL};
+
 static const struct rk_analysis_methods methods = {
     .check = check,
     .estimate = estimate,
     .title = "time the intruder takes to reach a height above the plate",
     .head = head,
+    .quantities = quantities,
     .headline = headline,
     .picture = picture,
     .panels = true,

@@ -171,56 +171,44 @@ enum rk_status rk_target_settle(const char *folder, struct rk_study *study, bool
 
 /* ---- What became of it ---- */
 
-static enum rk_status print_point(const char *folder, const struct rk_plan *plan, size_t p,
-                                  FILE *out, struct rk_error *err) {
-    const struct rk_until *until = &plan->study->until;
-    const char *name = plan->study->points[p].name;
-    struct rk_target target;
+static enum rk_status look_at(const char *folder, const struct rk_plan *plan, size_t p,
+                              struct rk_target_outcome *o, struct rk_error *err) {
     struct rk_gathered g = {0};
-    double x = (double)NAN;
     char why[256] = "";
-    enum rk_status status = rk_target_decide(folder, plan, p, &target, err);
-    if (status != RK_OK) {
+    *o = (struct rk_target_outcome){.estimate = (double)NAN, .half_width = (double)NAN};
+    enum rk_status status = rk_target_decide(folder, plan, p, &o->target, err);
+    if (status != RK_OK || !o->target.decided) {
         return status;
-    }
-    if (!target.decided) {
-        fprintf(out, "  %s: not decided: %s\n", name, target.why);
-        return RK_OK;
     }
     status = rk_gather(folder, plan, p, RK_REPORT_OBSERVABLE, NULL, &g, err);
     if (status == RK_OK) {
-        status = estimate(plan, p, &g, g.done, &x, why, err);
+        status = estimate(plan, p, &g, g.done, &o->estimate, why, err);
     }
-    if (status == RK_OK) {
-        double width = rk_stein_half_width(target.pilot, target.deviation, until->level, g.done);
-        double cost = plan->runs[plan->points[p].first].cost * (double)g.done;
-        fprintf(out,
-                "  %s: %.4g +- %.3g with %zu replicas (%zu of them the pilot), at most %.3g "
-                "grain-steps",
-                name, x, width, g.done, target.pilot, cost);
-        if (g.missing > 0) {
-            fprintf(out, "; %zu more to come", g.missing);
-        } else if (target.capped) {
-            fprintf(out, "; max_replicas was met, %.0f would be needed", target.needed);
-        }
-        fprintf(out, "\n");
-    }
+    o->half_width =
+        rk_stein_half_width(o->target.pilot, o->target.deviation, plan->study->until.level, g.done);
+    o->used = g.done;
+    o->missing = g.missing;
+    o->grain_steps = plan->runs[plan->points[p].first].cost * (double)g.done;
     rk_gathered_clear(&g);
     return status;
 }
 
-enum rk_status rk_target_print(const char *folder, const struct rk_plan *plan, FILE *out,
-                               struct rk_error *err) {
-    const struct rk_until *until = &plan->study->until;
-    if (!until->request) {
+enum rk_status rk_target_look(const char *folder, const struct rk_plan *plan,
+                              struct rk_target_outcome **outcomes, struct rk_error *err) {
+    size_t count = plan->study->point_count;
+    *outcomes = NULL;
+    if (!plan->study->until.request) {
         return RK_OK;
     }
-    fprintf(out, "\nuntil %s of %s is within +- %.3g (%g %%, Stein's two stages)\n",
-            until->quantity, until->request->analysis->piece.name, until->half_width,
-            100 * until->level);
-    enum rk_status status = RK_OK;
-    for (size_t p = 0; p < plan->study->point_count && status == RK_OK; p++) {
-        status = print_point(folder, plan, p, out, err);
+    struct rk_target_outcome *made = calloc(count, sizeof *made);
+    enum rk_status status = made ? RK_OK : rk_fail(err, RK_EMEMORY, "out of memory");
+    for (size_t p = 0; p < count && status == RK_OK; p++) {
+        status = look_at(folder, plan, p, &made[p], err);
     }
-    return status;
+    if (status != RK_OK) {
+        free(made);
+        return status;
+    }
+    *outcomes = made;
+    return RK_OK;
 }

@@ -37,8 +37,24 @@ enum rk_status rk_target_decide(const char *folder, const struct rk_plan *plan, 
 enum rk_status rk_target_settle(const char *folder, struct rk_study *study, bool *changed,
                                 struct rk_error *err);
 
-/* What became of it, a line a point: replicas, estimate and half width, cost. */
-enum rk_status rk_target_print(const char *folder, const struct rk_plan *plan, FILE *out,
-                               struct rk_error *err);
+/* What became of it. */
+struct rk_target_outcome {
+    struct rk_target target;
+    double estimate, half_width; /* of all replicas that are done; NaN while it is not decided */
+    size_t used, missing;        /* replicas */
+    double grain_steps;          /* of those used, at most */
+};
+
+/* Of every point; *outcomes is the caller's (free), NULL for a study without a target. */
+enum rk_status rk_target_look(const char *folder, const struct rk_plan *plan,
+                              struct rk_target_outcome **outcomes, struct rk_error *err);
+
+/* As text, a line a point, and for machines as the map "until". `rate`: grain-steps a core-second,
+ * as far as the folder knows it (store/effort.h), or NaN. */
+struct rk_json;
+void rk_target_print(const struct rk_plan *plan, const struct rk_target_outcome *outcomes,
+                     double rate, FILE *out);
+void rk_target_json(const struct rk_plan *plan, const struct rk_target_outcome *outcomes,
+                    double rate, struct rk_json *json);
 
 #endif

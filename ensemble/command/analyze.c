@@ -1,8 +1,8 @@
 /* reckon analyze: every analysis that the study of a folder asks for. */
 #include "ensemble/analysis/report.h"
 #include "ensemble/analysis/report_index.h"
-#include "ensemble/analysis/target.h"
 #include "ensemble/command/command.h"
+#include "ensemble/store/effort.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,10 +43,9 @@ static enum rk_status carry_out(const char *folder, struct rk_study *study, bool
         status = add_to_index(report, folder, err);
     }
     if (status == RK_OK && json) {
-        rk_report_print_json(report, stdout);
+        rk_report_print_json(report, rk_effort_rate(folder), stdout);
     } else if (status == RK_OK) {
-        rk_report_print(report, stdout);
-        status = rk_target_print(folder, plan, stdout, err);
+        rk_report_print(report, rk_effort_rate(folder), stdout);
         printf("\n");
         rk_report_print_files(report, folder, stdout);
     }

@@ -1,6 +1,7 @@
 /* reckon run: carry out what is missing of a study. */
 #include "ensemble/analysis/target.h"
 #include "ensemble/command/command.h"
+#include "ensemble/command/outlook.h"
 #include "ensemble/command/progress.h"
 #include "ensemble/runner.h"
 #include "ensemble/runner/ranks.h"
@@ -20,7 +21,7 @@ struct run_options {
     const char *output, *shard;
     uint64_t threads;
     double checkpoint;
-    bool quiet;
+    bool quiet, retry_failed;
 };
 
 static const struct rk_option options[] = {
@@ -51,6 +52,10 @@ static const struct rk_option options[] = {
      .low = 0,
      .high = 1e6,
      .doc = "time between two checkpoints of a replica; changes no result"},
+    {.name = "retry-failed",
+     .type = RK_OPTION_FLAG,
+     .offset = offsetof(struct run_options, retry_failed),
+     .doc = "replicas that failed are done again, as they were"},
     {.name = "quiet",
      .letter = 'q',
      .type = RK_OPTION_FLAG,
@@ -107,14 +112,39 @@ static void progress(void *context, const struct rk_progress *p) {
 static void list_reasons(const char *folder, const struct rk_plan *plan, size_t failed) {
     size_t shown = 0;
     for (size_t i = 0; i < plan->count && shown < REASONS_SHOWN && shown < failed; i++) {
-        char reason[512];
-        if (rk_store_run_reason(folder, plan, &plan->runs[i], reason) == RK_RUN_FAILED) {
-            rk_warn("run %s failed: %s", plan->runs[i].id, reason);
+        struct rk_run_facts facts = rk_store_run_facts(folder, plan, &plan->runs[i]);
+        if (facts.state == RK_RUN_FAILED) {
+            rk_warn("run %s failed: %s", plan->runs[i].id, facts.reason);
             shown++;
         }
     }
     if (failed > shown) {
         rk_warn("%zu more failed; 'reckon status %s' lists them", failed - shown, folder);
+    }
+}
+
+static size_t count_retried(const char *folder, const struct rk_plan *plan) {
+    size_t retried = 0;
+    for (size_t i = 0; i < plan->count && plan->study->retry.times > 0; i++) {
+        struct rk_run_facts facts = rk_store_run_facts(folder, plan, &plan->runs[i]);
+        retried += facts.state == RK_RUN_DONE && facts.retries > 0;
+    }
+    return retried;
+}
+
+static void say_next(const char *folder, const struct rk_plan *plan,
+                     const struct rk_run_report *report, const struct run_options *o) {
+    size_t retried = count_retried(folder, plan);
+    if (retried > 0) {
+        printf("%zu run%s done with smaller time steps after failing\n", retried,
+               retried == 1 ? " was" : "s were");
+    }
+    if (report->failed > 0 && plan->study->retry.times == 0) {
+        printf("next: with 'retry: {step: 0.5, times: 1}' in the study failed runs are done again "
+               "with half the time step\n");
+    }
+    if (report->done > 0 && !o->shard) {
+        printf("next: reckon analyze %s\n", folder);
     }
 }
 
@@ -133,8 +163,8 @@ static int summarise(const char *folder, const struct rk_plan *plan,
         }
         return RK_EXIT_INTERRUPTED;
     }
-    if (!quiet && report->done > 0 && !o->shard) {
-        printf("next: reckon analyze %s\n", folder);
+    if (!quiet) {
+        say_next(folder, plan, report, o);
     }
     return report->failed > 0 ? RK_EXIT_REPLICAS : RK_EXIT_DONE;
 }
@@ -171,6 +201,7 @@ static int run_plan(const char *folder, const struct rk_plan *plan, const struct
     /* Under mpirun there is a process a core, or it is told how many threads each may have. */
     struct rk_runner_options runner = {.threads = ranks && o->threads == 0 ? 1 : (int)o->threads,
                                        .ranks = ranks,
+                                       .retry_failed = o->retry_failed,
                                        .checkpoint_every = o->checkpoint,
                                        .stop = stop,
                                        .progress = shows ? progress : NULL,
@@ -183,6 +214,10 @@ static int run_plan(const char *folder, const struct rk_plan *plan, const struct
     }
     if (!led && rk_store_mended(store)) {
         rk_warn("'%s/plan.h5' was missing or damaged and is written again", folder);
+    }
+    char words[256];
+    if (!led && o->threads > 0 && rk_outlook_crowded(plan->study, (int)o->threads, words)) {
+        rk_warn("%s", words);
     }
     size_t surplus = led ? 0 : rk_store_surplus(folder, plan);
     if (surplus > 0) {
@@ -208,14 +243,17 @@ static int run_plan(const char *folder, const struct rk_plan *plan, const struct
 }
 
 /* As one of several ranks, if mpirun or the like started this program. */
-static int run_ranked(const char *folder, const struct rk_plan *plan, const struct run_options *o) {
+static int run_ranked(const char *folder, const struct rk_plan *plan, const struct run_options *o,
+                      bool *leads) {
     struct rk_ranks *ranks = NULL;
     struct rk_error err = RK_NO_ERROR;
+    *leads = false;
     if (rk_ranks_wanted() && rk_ranks_join(&ranks, &err) != RK_OK) {
         return rk_complain(&err);
     }
     /* A rank that never met the others ends without leave, and mpirun ends them. */
     bool met = false;
+    *leads = rk_ranks_number(ranks) == 0;
     int code = run_plan(folder, plan, o, ranks, &met);
     if (met) {
         rk_ranks_leave(ranks);
@@ -223,25 +261,46 @@ static int run_ranked(const char *folder, const struct rk_plan *plan, const stru
     return code;
 }
 
+/* A shard or a rank knows of its own part only: the rest of a study with a precision target is
+ * another call's. */
+static void say_rest(const struct rk_study *study, bool more) {
+    bool decided = true;
+    for (size_t p = 0; p < study->point_count; p++) {
+        decided = decided && study->points[p].replicas > 0;
+    }
+    if (!decided) {
+        printf("next: until decides on more replicas when the pilot is whole; call all parts once "
+               "more then\n");
+    } else if (more) {
+        printf("next: until asks for more replicas; call all parts once more\n");
+    }
+}
+
 /* Once, or twice for a study with a precision target: its pilot, and what that showed to be needed.
- * Ranks meet only once in a program, so under mpirun the second part is another call's. */
+ * Ranks meet only once in a program, and a shard of the pilot may be done before the others are:
+ * then the second part is another call's. */
 static int run_to_target(const char *folder, struct rk_study *study, const struct run_options *o) {
     struct rk_error err = RK_NO_ERROR;
+    const bool part = rk_ranks_wanted() || o->shard;
     int code = RK_EXIT_DONE;
     for (bool more = true; more;) {
         struct rk_plan *plan = NULL;
         bool known;
-        more = false;
         if (rk_target_settle(folder, study, &known, &err) != RK_OK ||
             rk_plan_create(study, &plan, &err) != RK_OK) {
             return rk_complain(&err);
         }
-        code = run_ranked(folder, plan, o);
+        bool leads;
+        code = run_ranked(folder, plan, o, &leads);
         rk_plan_free(plan);
-        bool fine = code == RK_EXIT_DONE || code == RK_EXIT_REPLICAS;
-        if (fine && !rk_ranks_wanted() && rk_target_settle(folder, study, &more, &err) != RK_OK) {
+        more = code == RK_EXIT_DONE || code == RK_EXIT_REPLICAS;
+        if (more && rk_target_settle(folder, study, &more, &err) != RK_OK) {
             return rk_complain(&err);
         }
+        if (part && leads && study->until.request && !o->quiet) {
+            say_rest(study, more);
+        }
+        more = more && !rk_ranks_wanted();
     }
     return code;
 }
@@ -265,9 +324,13 @@ const struct rk_command rk_command_run = {
     .summary = "carry out a study: start it, resume it, extend it",
     .usage = "STUDY [-o DIR] [--shard I/N]",
     .about = "Carries out the replicas that are missing in the study's folder, one a core, the\n"
-             "longest first. Ctrl-C keeps what is done and lets running replicas write a\n"
+             "longest first; cores that have none help with large ones. Ctrl-C keeps what is done "
+             "and lets running replicas write a\n"
              "checkpoint; the same command goes on from there, also after a power cut, with the\n"
              "same bytes in the end. More replicas in the study file are added to those there.\n"
+             "Replicas that went wrong stay failed, unless the study has 'retry' ({step: 0.5,\n"
+             "times: 2}: again with half the time step, and a quarter) or --retry-failed is given\n"
+             "(again as they were, after a mended program).\n"
              "Several may run in one folder, on one machine or many: under mpirun, as shards, or\n"
              "just started twice. Each replica is done by one of them.\n"
              "Exit codes: 0 all done, 3 some replicas failed, 130 stopped, 1 an error of the disk.",

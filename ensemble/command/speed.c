@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 #include "ensemble/runner/clock.h"
+#include "ensemble/runner/pace.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -63,26 +64,82 @@ static double time_steps(struct rk_scene *scene) {
     return spent >= 0.25 ? done / spent : (double)NAN;
 }
 
-struct rk_speed rk_speed_measure(const struct rk_study *study, const struct rk_point *point) {
+/* A bed of the point or of a smaller one; NULL when it takes too long. */
+static struct rk_scene *prepare(const struct rk_study *study, const struct rk_point *point,
+                                bool loose) {
     const struct rk_case *scene = study->scene;
-    struct rk_speed speed = {NAN, NAN, 0};
     struct rk_scene *made = NULL;
     struct rk_preparation preparation;
     double deadline = rk_clock() + PATIENCE;
-    const struct rk_cancel cancel = {too_late, &deadline};
+    const struct rk_cancel cancel = {.asked = too_late, .context = &deadline};
     void *params = rk_array_create(1, scene->params->size);
     if (!params) {
-        return speed;
+        return NULL;
     }
     memcpy(params, point->params, scene->params->size);
-    shrink(scene, params);
+    if (loose) { /* at rest as soon as it moves little; not every case can be told so */
+        rk_param_set(scene->params, params, "settle.kinetic", "1", NULL);
+    } else {
+        shrink(scene, params);
+    }
     struct rk_stream stream = rk_stream_of(study->seed, point->key, 0, RK_FOR_GRAINS, 0);
-    if (rk_case_prepare(scene, params, stream, &cancel, &made, &preparation, NULL) == RK_OK) {
+    enum rk_status status =
+        rk_case_prepare(scene, params, stream, &cancel, &made, &preparation, NULL);
+    free(params);
+    return status == RK_OK ? made : NULL;
+}
+
+struct rk_speed rk_speed_measure(const struct rk_study *study, const struct rk_point *point) {
+    struct rk_speed speed = {NAN, NAN, 0};
+    struct rk_scene *made = prepare(study, point, false);
+    if (made) {
         speed.grains = rk_scene_grains(made);
         speed.grain_steps = time_steps(made);
         speed.bytes_per_grain = (double)rk_scene_memory(made) / (double)speed.grains;
         rk_scene_free(made);
     }
-    free(params);
     return speed;
+}
+
+/* Steps a second on so many threads, by the clock; NaN when the scene will not have them. */
+static double rate_on(struct rk_scene *scene, size_t threads) {
+    enum { WARM = 20 };
+    if (rk_scene_set_threads(scene, threads, NULL) != RK_OK ||
+        rk_scene_step(scene, WARM, NULL) != RK_OK) {
+        return NAN;
+    }
+    double start = rk_clock(), spent = 0;
+    uint64_t done = 0;
+    for (uint64_t steps = 8; spent < 0.2; spent = rk_clock() - start) {
+        if (rk_scene_step(scene, steps, NULL) != RK_OK) {
+            return NAN;
+        }
+        done += steps;
+    }
+    return (double)done / spent;
+}
+
+struct rk_gain rk_gain_measure(const struct rk_study *study, const struct rk_point *point,
+                               size_t most) {
+    struct rk_gain gain = {1, NAN, 0};
+    struct rk_scene *made = prepare(study, point, true);
+    if (!made) {
+        return gain;
+    }
+    double one = rate_on(made, 1), best = one;
+    gain.grains = rk_scene_grains(made);
+    for (size_t threads = 2; threads <= most; threads *= 2) {
+        double rate = rate_on(made, threads);
+        bool pays = rate > RK_PACE_GAIN * best;
+        if (pays || threads == 2) {
+            gain.gain = rate / one;
+        }
+        if (!pays) {
+            break;
+        }
+        gain.threads = threads;
+        best = rate;
+    }
+    rk_scene_free(made);
+    return gain;
 }

@@ -16,4 +16,15 @@ struct rk_speed {
  */
 struct rk_speed rk_speed_measure(const struct rk_study *study, const struct rk_point *point);
 
+/* What several threads gain for a scene of a point, by the clock and so as busy as the machine is.
+ */
+struct rk_gain {
+    size_t threads; /* that it is worth, at most as many as were asked about */
+    double gain;   /* speed on those, or on two where they do not pay, over that on one; NaN when it
+                      could not be measured */
+    size_t grains; /* of the scene that was timed: of a loose bed, which is made more quickly */
+};
+struct rk_gain rk_gain_measure(const struct rk_study *study, const struct rk_point *point,
+                               size_t most);
+
 #endif

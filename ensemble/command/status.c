@@ -28,6 +28,7 @@ static const struct rk_option options[] = {
 
 struct tally {
     size_t count[RK_RUN_FAILED + 1]; /* runs by enum rk_run_state */
+    size_t retried;                  /* of those done, at a smaller step after failing */
     size_t running;                  /* of those started or waiting, what somebody is at */
     double left;                     /* grain-steps, at most */
     double rate;                     /* of all who are at work */
@@ -78,8 +79,10 @@ static struct tally tally_of(const char *folder, const struct rk_plan *plan) {
     add_workers(&tally);
     const struct rk_work_run **running = running_runs(&tally);
     for (size_t i = 0; i < plan->count; i++) {
-        enum rk_run_state state = rk_store_run_state(folder, plan, &plan->runs[i]);
+        struct rk_run_facts facts = rk_store_run_facts(folder, plan, &plan->runs[i]);
+        enum rk_run_state state = facts.state;
         tally.count[state]++;
+        tally.retried += state == RK_RUN_DONE && facts.retries > 0;
         if (state == RK_RUN_STARTED || state == RK_RUN_WAITING) {
             tally.left += cost_left(&plan->runs[i], running, tally.running);
         }
@@ -115,6 +118,10 @@ static void print_text(const char *folder, const struct rk_plan *plan, const str
     size_t stopped = t->count[RK_RUN_STARTED] > running ? t->count[RK_RUN_STARTED] - running : 0;
     printf("%s: study %s, %zu runs\n", folder, plan->study->name, plan->count);
     printf("  done     %8zu\n", t->count[RK_RUN_DONE]);
+    if (t->retried > 0) {
+        printf("  retried  %8zu    (of those done: at a smaller step, after failing)\n",
+               t->retried);
+    }
     printf("  failed   %8zu\n", t->count[RK_RUN_FAILED]);
     printf("  running  %8zu\n", running);
     printf("  stopped  %8zu\n", stopped);
@@ -131,9 +138,9 @@ static void print_text(const char *folder, const struct rk_plan *plan, const str
     size_t shown = 0;
     for (size_t i = 0; i < plan->count && shown < REASONS_SHOWN && shown < t->count[RK_RUN_FAILED];
          i++) {
-        char reason[512];
-        if (rk_store_run_reason(folder, plan, &plan->runs[i], reason) == RK_RUN_FAILED) {
-            printf("failed %s: %s\n", plan->runs[i].id, reason);
+        struct rk_run_facts facts = rk_store_run_facts(folder, plan, &plan->runs[i]);
+        if (facts.state == RK_RUN_FAILED) {
+            printf("failed %s: %s\n", plan->runs[i].id, facts.reason);
             shown++;
         }
     }
@@ -170,6 +177,7 @@ static void print_json(const char *folder, const struct rk_plan *plan, const str
     rk_json_text(&json, "identity", plan->identity);
     rk_json_count(&json, "runs", plan->count);
     rk_json_count(&json, "done", t->count[RK_RUN_DONE]);
+    rk_json_count(&json, "retried", t->retried);
     rk_json_count(&json, "failed", t->count[RK_RUN_FAILED]);
     rk_json_count(&json, "running", t->running);
     rk_json_count(&json, "started", t->count[RK_RUN_STARTED]);
@@ -182,11 +190,11 @@ static void print_json(const char *folder, const struct rk_plan *plan, const str
     print_json_workers(&json, t);
     rk_json_open_list(&json, "failures");
     for (size_t i = 0; i < plan->count && t->count[RK_RUN_FAILED] > 0; i++) {
-        char reason[512];
-        if (rk_store_run_reason(folder, plan, &plan->runs[i], reason) == RK_RUN_FAILED) {
+        struct rk_run_facts facts = rk_store_run_facts(folder, plan, &plan->runs[i]);
+        if (facts.state == RK_RUN_FAILED) {
             rk_json_open_map(&json, NULL);
             rk_json_text(&json, "run", plan->runs[i].id);
-            rk_json_text(&json, "reason", reason);
+            rk_json_text(&json, "reason", facts.reason);
             rk_json_close(&json);
         }
     }

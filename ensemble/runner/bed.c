@@ -181,6 +181,13 @@ static bool look(void *context) {
            checkpoint(m, &m->trouble) != RK_OK;
 }
 
+static void between(void *context, struct rk_scene *scene) {
+    const struct rk_run_hooks *hooks = ((struct making *)context)->wish->hooks;
+    if (hooks->between) {
+        hooks->between(hooks->context, scene);
+    }
+}
+
 /* The scene where a checkpoint left it, or with its grains as they are strewn. */
 static enum rk_status begin(struct making *m, struct rk_error *err) {
     const struct rk_origin origin = rk_bed_origin(m->name);
@@ -210,7 +217,7 @@ static enum rk_status begin(struct making *m, struct rk_error *err) {
 
 /* A bed that is claimed: settle it and leave it to all. */
 static enum rk_status make(struct making *m, struct rk_error *err) {
-    const struct rk_cancel between = {look, m};
+    const struct rk_cancel hooks = {look, between, m};
     struct rk_error why = RK_NO_ERROR;
     enum rk_status status = begin(m, err);
     if (status != RK_OK) {
@@ -218,7 +225,7 @@ static enum rk_status make(struct making *m, struct rk_error *err) {
     }
     m->last_checkpoint = rk_clock();
     status =
-        rk_case_settle(m->wish->scene_case, m->prepared, m->scene, &between, &m->preparation, &why);
+        rk_case_settle(m->wish->scene_case, m->prepared, m->scene, &hooks, &m->preparation, &why);
     advance(m);
     if (m->trouble.status != RK_OK) {
         return rk_fail_as(err, &m->trouble);

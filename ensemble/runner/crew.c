@@ -47,6 +47,14 @@ static void spare(void *context, double grain_steps) {
     rk_crew_spare(context, grain_steps);
 }
 
+static void between(void *context, struct rk_scene *scene) {
+    rk_crew_pace(context, scene);
+}
+
+static bool tries(void *context) {
+    return ((const struct rk_berth *)context)->pace.from > 0;
+}
+
 static bool holds(void *context) {
     const struct rk_berth *berth = context;
     const struct rk_thing thing = rk_thing_run(berth->run);
@@ -74,6 +82,7 @@ static void begin(struct rk_berth *berth, size_t i) {
     struct rk_crew *crew = berth->crew;
     pthread_mutex_lock(&crew->mutex);
     berth->run = &crew->plan->runs[i];
+    berth->fixed = rk_study_threads(crew->plan->study, berth->run->point) > 0;
     berth->done = berth->spared = 0;
     crew->progress.running++;
     pthread_mutex_unlock(&crew->mutex);
@@ -81,11 +90,13 @@ static void begin(struct rk_berth *berth, size_t i) {
 
 static void end(struct rk_berth *berth, size_t i, bool finished) {
     struct rk_crew *crew = berth->crew;
+    rk_crew_give_back(berth);
     pthread_mutex_lock(&crew->mutex);
     berth->run = NULL;
     crew->progress.running--;
     if (finished) {
         crew->troubles = 0;
+        crew->effort.runs++;
         crew->progress.done += crew->states[i] == RK_RUN_DONE;
         crew->progress.failed += crew->states[i] == RK_RUN_FAILED;
     }
@@ -101,6 +112,8 @@ static enum rk_status carry_out(struct rk_berth *berth, size_t i, struct rk_erro
                                        .message = message,
                                        .advance = advance,
                                        .spare = spare,
+                                       .between = between,
+                                       .tries = tries,
                                        .holds = holds,
                                        .context = berth,
                                        .worker = crew->worker,
@@ -118,7 +131,7 @@ static enum rk_status carry_out(struct rk_berth *berth, size_t i, struct rk_erro
         rk_crew_spare(berth, run->cost);
         return rk_run_tidy(crew->folder, crew->plan, run, crew->states[i] == RK_RUN_FAILED, err);
     }
-    status = rk_run_execute(crew->folder, crew->plan, run, &hooks, &failed, err);
+    status = rk_run_tries(crew->folder, crew->plan, run, &hooks, &failed, err);
     if (status == RK_OK) {
         crew->states[i] = failed ? RK_RUN_FAILED : RK_RUN_DONE;
     }
@@ -193,6 +206,12 @@ bool rk_crew_deal_out(void *context, const struct rk_ranks_news *news, size_t *r
     return found;
 }
 
+static void leave_core(struct rk_crew *crew) {
+    pthread_mutex_lock(&crew->mutex);
+    crew->working--;
+    pthread_mutex_unlock(&crew->mutex);
+}
+
 /* A stop request or a broken disk leaves the runs that have not begun. */
 static void *member(void *context) {
     struct rk_berth *berth = context;
@@ -202,6 +221,7 @@ static void *member(void *context) {
         take_up(berth, i);
         berth->news = (struct rk_ranks_news){i, crew->states[i], berth->done};
     }
+    leave_core(crew);
     return NULL;
 }
 
@@ -222,8 +242,12 @@ enum rk_status rk_crew_work(struct rk_crew *crew, struct rk_error *err) {
         free(made);
         return rk_fail(err, RK_EMEMORY, "not enough memory for %zu threads", threads);
     }
+    crew->working = threads;
     for (size_t t = 1; t < threads; t++) {
         made[t] = pthread_create(&members[t], NULL, member, &crew->berths[t]) == 0;
+        if (!made[t]) {
+            leave_core(crew);
+        }
     }
     member(&crew->berths[0]);
     for (size_t t = 1; t < threads; t++) {

@@ -3,6 +3,9 @@
  *     review.c    what is there already
  *     order.c     which runs are this program's to do, and in which order
  *     crew.c      threads that claim runs and carry them out
+ *     tries.c     a run that goes wrong, and its retries (run.c: one of them)
+ *     cores.c     which scenes get the cores of those that have nothing to do (pace.c: whether that
+ *                 pays)
  *     pulse.c     signs of life and progress
  *     runner.c    all of it, one after the other
  */
@@ -10,7 +13,9 @@
 #define RK_ENSEMBLE_RUNNER_CREW_H
 
 #include "ensemble/runner.h"
+#include "ensemble/runner/pace.h"
 #include "ensemble/runner/ranks.h"
+#include "ensemble/store/effort.h"
 #include "ensemble/store/worker.h"
 
 #include <pthread.h>
@@ -23,6 +28,8 @@ struct rk_berth {
     struct rk_crew *crew;
     const struct rk_run *run;  /* NULL between two runs */
     double done, spared;       /* grain-steps of it, carried out and found not to be needed */
+    bool fixed;                /* the study says how many threads its scene has; */
+    struct rk_pace pace;       /* if not, what pays */
     struct rk_ranks_news news; /* for rank 0; the thread's own */
 };
 
@@ -43,11 +50,13 @@ struct rk_crew {
     atomic_bool lost;    /* others took this program for dead */
     pthread_mutex_t mutex;
     struct rk_berth *berths; /* [threads] */
+    size_t working, lent; /* cores: berths that may get runs, and what scenes have beside those */
     struct rk_progress progress;
     double start, last;
-    struct rk_error first; /* that kept a run from being carried out */
-    int troubles;          /* runs in a row that met an error of the disk */
-    size_t *order;         /* the runs to do now, a part of share[] */
+    struct rk_effort effort; /* of this process */
+    struct rk_error first;   /* that kept a run from being carried out */
+    int troubles;            /* runs in a row that met an error of the disk */
+    size_t *order;           /* the runs to do now, a part of share[] */
     size_t count, next;
     bool dealing;         /* also to other ranks */
     pthread_cond_t ended; /* of the work: the pulse need not wait its turn */
@@ -72,6 +81,10 @@ void rk_crew_list(struct rk_crew *crew, enum rk_run_state state);
 
 /* Carry out what order[] lists. */
 enum rk_status rk_crew_work(struct rk_crew *crew, struct rk_error *err);
+
+/* Between two steps of a berth's scene: give it the threads that pay, of those that are idle. */
+void rk_crew_pace(struct rk_berth *berth, struct rk_scene *scene);
+void rk_crew_give_back(struct rk_berth *berth);
 
 /* Rank 0: what another rank is to do next, and what it has done. `context` is the crew. */
 bool rk_crew_deal_out(void *context, const struct rk_ranks_news *news, size_t *run);

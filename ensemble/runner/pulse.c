@@ -27,6 +27,7 @@ void rk_crew_advance(struct rk_berth *berth, double grain_steps) {
     pthread_mutex_lock(&crew->mutex);
     berth->done += grain_steps;
     crew->progress.grain_steps += grain_steps;
+    crew->effort.grain_steps += grain_steps;
     rk_crew_tell(crew, false);
     pthread_mutex_unlock(&crew->mutex);
 }

@@ -50,26 +50,44 @@ enum rk_status rk_crew_look(struct rk_crew *crew, size_t i, struct rk_error *err
     if (status == RK_OK && !rk_origin_is(&seal.origin, crew->plan, run)) {
         status = rk_fail(err, RK_EFORMAT, "it belongs to another study or run");
     }
+    if (status == RK_OK && !rk_seal_fits(&seal, crew->plan->study)) {
+        return rk_fail(
+            err, RK_ECONFLICT,
+            "run %s is there, made with %g of its time step after it had failed, and the "
+            "study does not ask for that (retry); choose another folder with -o",
+            run->id, seal.step);
+    }
     if (status == RK_OK && seal.steps != crew->plan->points[run->point].steps) {
         return refuse_longer(run, seal.steps, crew->plan->points[run->point].steps, err);
     }
-    if (status == RK_OK) {
+    if (status == RK_OK && rk_seal_is_last(&seal, crew->plan->study)) {
         crew->states[i] = seal.state == RK_SEAL_FAILED ? RK_RUN_FAILED : RK_RUN_DONE;
     }
     return status;
 }
 
-/* What a finished run left over, when the program was killed between its end and the tidying. */
-static enum rk_status tidy(struct rk_crew *crew, size_t i, struct rk_error *err) {
+/* What a finished run left over, when the program was killed between its end and the tidying; or,
+ * to be done again, all of it: for good, so that whoever comes next finds it waiting. */
+static enum rk_status clear_up(struct rk_crew *crew, size_t i, bool all, struct rk_error *err) {
     const struct rk_run *run = &crew->plan->runs[i];
     const struct rk_thing thing = rk_thing_run(run);
-    bool mine;
+    struct rk_path path;
+    bool mine, failed = crew->states[i] == RK_RUN_FAILED;
     enum rk_status status = rk_claim_take(crew->worker, &thing, &mine, NULL, err);
-    if (status == RK_OK && mine) {
-        bool failed = crew->states[i] == RK_RUN_FAILED;
-        status = rk_run_tidy(crew->folder, crew->plan, run, failed, err);
-        rk_claim_release(crew->worker, &thing, true);
+    if (status != RK_OK || !mine) {
+        return status;
     }
+    if (all) {
+        crew->states[i] = RK_RUN_WAITING;
+        status = rk_path_of_run(&path, crew->folder, run->id, ".h5", err);
+    }
+    if (all && status == RK_OK) {
+        status = rk_file_remove(path.text, err);
+    }
+    if (status == RK_OK) {
+        status = rk_run_tidy(crew->folder, crew->plan, run, failed, err);
+    }
+    rk_claim_release(crew->worker, &thing, true);
     return status;
 }
 
@@ -91,46 +109,70 @@ static bool left_over(const struct rk_crew *crew, size_t i) {
     return found;
 }
 
-/* A damaged file is left to whoever claims the run. */
-static enum rk_status review(struct rk_crew *crew, size_t i, atomic_size_t *anew,
-                             struct rk_error *err) {
-    const struct rk_run *run = &crew->plan->runs[i];
-    enum rk_status status = rk_crew_look(crew, i, err);
-    if (status == RK_EFORMAT) {
-        return RK_OK;
-    }
-    bool finished = crew->states[i] == RK_RUN_DONE || crew->states[i] == RK_RUN_FAILED;
-    if (status == RK_OK && !finished && has_file(crew, run, ".h5") &&
-        !has_file(crew, run, ".ckpt")) {
-        atomic_fetch_add(anew, 1); /* shorter than asked for, and nothing to go on from */
-    }
-    return status == RK_OK && finished && left_over(crew, i) ? tidy(crew, i, err) : status;
+/* Is there a file of fewer steps than are asked for, and nothing to go on from? */
+static bool is_anew(const struct rk_crew *crew, const struct rk_run *run) {
+    struct rk_path path;
+    struct rk_seal seal;
+    return rk_path_of_run(&path, crew->folder, run->id, ".h5", NULL) == RK_OK &&
+           rk_seal_read(path.text, &seal, NULL) == RK_OK &&
+           seal.steps < crew->plan->points[run->point].steps && !has_file(crew, run, ".ckpt");
 }
 
-static void tell_anew(struct rk_crew *crew, size_t count) {
+/* What a review came upon. */
+struct findings {
+    atomic_size_t anew, again;
+};
+
+/* A damaged file is left to whoever claims the run. */
+static enum rk_status review(struct rk_crew *crew, size_t i, struct findings *found,
+                             struct rk_error *err) {
+    enum rk_status status = rk_crew_look(crew, i, err);
+    if (status != RK_OK) {
+        return status == RK_EFORMAT ? RK_OK : status;
+    }
+    if (crew->states[i] == RK_RUN_FAILED && crew->options->retry_failed) {
+        atomic_fetch_add(&found->again, 1);
+        return clear_up(crew, i, true, err);
+    }
+    if (crew->states[i] == RK_RUN_DONE || crew->states[i] == RK_RUN_FAILED) {
+        return left_over(crew, i) ? clear_up(crew, i, false, err) : RK_OK;
+    }
+    if (is_anew(crew, &crew->plan->runs[i])) {
+        atomic_fetch_add(&found->anew, 1);
+    }
+    return RK_OK;
+}
+
+static void tell(struct rk_crew *crew, const struct findings *found) {
     char line[256];
-    if (count > 0) {
+    size_t anew = atomic_load(&found->anew), again = atomic_load(&found->again);
+    if (anew > 0) {
         snprintf(line, sizeof line,
                  "%zu finished run%s shorter than asked for and kept no checkpoint to go on from "
                  "('keep: checkpoint' in a study does): made anew from the start",
-                 count, count == 1 ? " is" : "s are");
+                 anew, anew == 1 ? " is" : "s are");
+        rk_crew_message(crew, line);
+    }
+    if (again > 0) {
+        snprintf(line, sizeof line, "%zu failed run%s done again", again,
+                 again == 1 ? " is" : "s are");
         rk_crew_message(crew, line);
     }
 }
 
 enum rk_status rk_crew_review(struct rk_crew *crew, struct rk_error *err) {
     struct rk_error first = RK_NO_ERROR;
-    atomic_size_t anew = 0;
+    struct findings found = {0, 0};
 #pragma omp parallel for schedule(dynamic, 16) num_threads(crew->threads)
     for (size_t k = 0; k < crew->share_count; k++) {
         struct rk_error why = RK_NO_ERROR;
-        if (!rk_crew_stop(crew) && review(crew, crew->share[k], &anew, &why) != RK_OK) {
+        if (!rk_crew_stop(crew) && review(crew, crew->share[k], &found, &why) != RK_OK) {
 #pragma omp critical(rk_review)
             if (first.status == RK_OK) {
                 first = why;
             }
         }
     }
-    tell_anew(crew, atomic_load(&anew));
+    tell(crew, &found);
     return first.status == RK_OK ? RK_OK : rk_fail_as(err, &first);
 }

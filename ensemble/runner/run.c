@@ -23,6 +23,7 @@ struct work {
     const char *folder;
     const struct rk_plan *plan;
     const struct rk_run *run;
+    const struct rk_try *try;
     const struct rk_run_hooks *hooks;
     const struct rk_case *scene_case;
     const void *params;
@@ -263,6 +264,17 @@ static uint64_t next_moment(const struct rk_schedule *s, uint64_t step) {
     return next < s->steps ? next : s->steps;
 }
 
+/* Steps on a number of threads that is being tried: on a busy machine threads that wait for one
+ * another are hundreds of times as slow. */
+static const uint64_t a_few_steps = 8;
+
+static bool look_between(const struct work *w) {
+    if (w->hooks->between) {
+        w->hooks->between(w->hooks->context, w->scene);
+    }
+    return w->hooks->tries && w->hooks->tries(w->hooks->context);
+}
+
 /* Step to `target`, a few milliseconds at a time. */
 static enum rk_status step_to(struct work *w, uint64_t target, struct rk_error *err) {
     double grains = (double)rk_scene_grains(w->scene) + 1;
@@ -270,7 +282,8 @@ static enum rk_status step_to(struct work *w, uint64_t target, struct rk_error *
     uint64_t step = rk_scene_steps(w->scene);
     enum rk_status status = RK_OK;
     while (status == RK_OK && step < target) {
-        uint64_t steps = target - step < piece ? target - step : piece;
+        uint64_t most = look_between(w) ? a_few_steps : piece;
+        uint64_t steps = target - step < most ? target - step : most;
         status = rk_scene_step(w->scene, steps, err);
         step += steps;
         advance(w, (grains - 1) * (double)steps);
@@ -327,7 +340,9 @@ static enum rk_status publish(struct work *w, const struct rk_error *failure,
                                 .bed = w->bed.name.text,
                                 .preparation = w->preparation,
                                 .failed = failure != NULL,
-                                .reason = failure ? failure->message : NULL};
+                                .reason = failure ? failure->message : NULL,
+                                .retries = w->try->retries,
+                                .failures = w->try->failures};
     const char *partial = w->paths.partial.text;
     enum rk_status status = rk_h5md_write(partial, &outcome, w->spool, err);
     if (status == RK_OK) {
@@ -407,17 +422,19 @@ enum rk_status rk_run_tidy(const char *folder, const struct rk_plan *plan, const
 }
 
 enum rk_status rk_run_execute(const char *folder, const struct rk_plan *plan,
-                              const struct rk_run *run, const struct rk_run_hooks *hooks,
-                              bool *failed, struct rk_error *err) {
+                              const struct rk_run *run, const struct rk_try *try,
+                              const struct rk_run_hooks *hooks, bool *failed,
+                              struct rk_error *err) {
     struct work w = {.folder = folder,
                      .plan = plan,
                      .run = run,
+                     .try = try,
                      .hooks = hooks,
                      .scene_case = plan->study->scene};
-    w.params = plan->study->points[run->point].params;
+    w.params = try->params;
     w.schedule = w.scene_case->schedule(w.params);
     w.focus = w.scene_case->focus(w.params);
-    w.origin = rk_origin_of(plan, run);
+    w.origin = rk_origin_of_try(plan, run, try->retries);
     struct rk_error why = RK_NO_ERROR;
     enum rk_status status = set_paths(&w.paths, folder, run, err);
     if (status == RK_OK) {

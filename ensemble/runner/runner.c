@@ -4,15 +4,24 @@
 #include "ensemble/store/beds.h"
 #include "ensemble/store/claim.h"
 #include "ensemble/store/index.h"
+#include "ensemble/store/process.h"
 
 #include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
+/* A core a replica; fewer replicas at a time where the study gives each several. */
+static int default_threads(const struct rk_plan *plan) {
+    int cores = omp_get_max_threads();
+    uint64_t most = rk_study_most_threads(plan->study);
+    most = most > 1 ? most : 1;
+    return most < (uint64_t)cores ? cores / (int)most : 1;
+}
+
 static enum rk_status prepare(struct rk_crew *crew, struct rk_error *err) {
     const struct rk_runner_options *options = crew->options;
-    crew->threads = options->threads > 0 ? options->threads : omp_get_max_threads();
+    crew->threads = options->threads > 0 ? options->threads : default_threads(crew->plan);
     crew->states = calloc(crew->plan->count + 1, 1);
     crew->berths = calloc((size_t)crew->threads, sizeof *crew->berths);
     if (!crew->states || !crew->berths) {
@@ -20,6 +29,7 @@ static enum rk_status prepare(struct rk_crew *crew, struct rk_error *err) {
     }
     for (int t = 0; t < crew->threads; t++) {
         crew->berths[t].crew = crew;
+        crew->berths[t].pace = rk_pace_of_one();
     }
     crew->start = rk_clock();
     return rk_crew_deal(crew, err);
@@ -130,6 +140,23 @@ static void report_on(const struct rk_crew *crew, struct rk_run_report *report) 
     report->missing = report->runs - report->done - report->failed;
 }
 
+/* What this process has used of processors, in seconds. */
+static double processor_time(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* That it cannot be noted hurts no result. */
+static void note_effort(struct rk_crew *crew, double since) {
+    if (crew->effort.grain_steps > 0) {
+        char who[96];
+        crew->effort.core_seconds = processor_time() - since;
+        rk_process_words(who);
+        rk_effort_add(crew->folder, who, &crew->effort, NULL);
+    }
+}
+
 /* Whoever leaves last builds the index: of two that leave at once each may think so, and both may
  * be right. */
 static enum rk_status leave(struct rk_crew *crew, struct rk_error *err) {
@@ -147,6 +174,7 @@ static enum rk_status leave(struct rk_crew *crew, struct rk_error *err) {
 
 static enum rk_status work_and_leave(struct rk_crew *crew, struct rk_error *err) {
     pthread_t pulse;
+    double since = processor_time();
     enum rk_status status = rk_crew_pulse_start(crew, &pulse, err);
     if (status != RK_OK) {
         return status;
@@ -154,6 +182,7 @@ static enum rk_status work_and_leave(struct rk_crew *crew, struct rk_error *err)
     bool led = rk_ranks_number(crew->options->ranks) > 0;
     status = led ? work_as_led(crew, err) : review_and_work(crew, err);
     rk_crew_pulse_stop(crew, pulse);
+    note_effort(crew, since);
     if (!atomic_load(&crew->lost)) {
         enum rk_status left = leave(crew, status == RK_OK ? err : NULL);
         status = status == RK_OK ? left : status;

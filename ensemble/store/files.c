@@ -8,6 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 struct rk_origin rk_origin_of(const struct rk_plan *plan, const struct rk_run *run) {
     struct rk_origin origin;
@@ -15,6 +16,18 @@ struct rk_origin rk_origin_of(const struct rk_plan *plan, const struct rk_run *r
     memset(&origin, 0, sizeof origin);
     memcpy(origin.identity, plan->points[run->point].identity, sizeof origin.identity);
     memcpy(origin.run, run->id, strnlen(run->id, sizeof origin.run - 1));
+    return origin;
+}
+
+struct rk_origin rk_origin_of_try(const struct rk_plan *plan, const struct rk_run *run,
+                                  uint64_t retries) {
+    struct rk_origin origin = rk_origin_of(plan, run);
+    if (retries > 0) {
+        double step = rk_retry_step(&plan->study->retry, retries);
+        uint64_t mark = XXH64(&step, sizeof step, retries);
+        snprintf(origin.identity, sizeof origin.identity, "%016llx%016llx",
+                 (unsigned long long)XXH64(&origin, sizeof origin, mark), (unsigned long long)mark);
+    }
     return origin;
 }
 

@@ -83,6 +83,12 @@ static void write_provenance(struct writer *w) {
     if (o->failed) {
         rk_h5_note(h5, group, "reason", o->reason);
     }
+    if (o->retries > 0) {
+        double factor = rk_retry_step(&o->plan->study->retry, o->retries);
+        rk_h5_note_value(h5, group, "retries", RK_H5_COUNT, 0, &o->retries);
+        rk_h5_note_value(h5, group, "step_factor", RK_H5_REAL, 0, &factor);
+        rk_h5_text(h5, group, "failures", o->failures);
+    }
     if (o->scene) {
         uint64_t steps = rk_scene_steps(o->scene);
         double time = rk_scene_time(o->scene);
@@ -379,7 +385,11 @@ enum rk_status rk_h5md_write(const char *path, const struct rk_record *outcome,
     }
     struct rk_seal seal = {.origin = rk_origin_of(outcome->plan, outcome->run),
                            .state = outcome->failed ? RK_SEAL_FAILED : RK_SEAL_DONE,
-                           .steps = outcome->schedule.steps};
+                           .steps = outcome->plan->points[outcome->run->point].steps,
+                           .retries = outcome->retries};
+    if (outcome->retries > 0) {
+        seal.step = rk_retry_step(&outcome->plan->study->retry, outcome->retries);
+    }
     if (outcome->failed) {
         memcpy(seal.reason, outcome->reason, strnlen(outcome->reason, sizeof seal.reason - 1));
     }

@@ -11,7 +11,9 @@
  *                                   "offset" 0), value [sample], float64
  *     /parameters/<group>/<name>    every resolved parameter, scalars with their unit
  *     /provenance                   case, seed, point, replica, versions, bed and preparation,
- *                                   status "done" or "failed" (with reason and time)
+ *                                   status "done" or "failed" (with reason and time); of a run
+ *                                   that was tried again `retries`, `step_factor` (its time steps
+ *                                   over those in /parameters) and the text `failures`
  *
  * Nothing in it tells when, where or how often interrupted the run was made: two runs of the same
  * replica have the same bytes. A run that failed keeps what it had recorded, and as its last frame
@@ -34,7 +36,9 @@ struct rk_record {
     const char *bed;              /* its name (rk_bed_of) */
     struct rk_preparation preparation;
     bool failed;
-    const char *reason; /* of a failure */
+    const char *reason;   /* of a failure */
+    uint64_t retries;     /* with smaller steps, 0: none; */
+    const char *failures; /* why those before went wrong, a line each */
 };
 
 /* Write the file of a run at `path` and seal it (seal.h); not synced yet. `spool` may be NULL when

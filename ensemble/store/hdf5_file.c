@@ -107,6 +107,7 @@ static void start(struct rk_h5 *h5, const char *path, struct rk_error *err) {
 void rk_h5_create(struct rk_h5 *h5, const char *path, size_t user_block, enum rk_h5_format format,
                   struct rk_error *err) {
     start(h5, path, err);
+    /* What maps the rows of a virtual dataset would stay in memory until the file is closed. */
     H5F_libver_t version = format == RK_H5_FOR_1_8 ? H5F_LIBVER_V18 : H5F_LIBVER_V110;
     hid_t creation = rk_h5_properties(H5P_FILE_CREATE);
     hid_t access = rk_h5_properties(H5P_FILE_ACCESS);
@@ -114,6 +115,7 @@ void rk_h5_create(struct rk_h5 *h5, const char *path, size_t user_block, enum rk
         H5Pset_libver_bounds(access, version, version) < 0 ||
         (h5->driver = rk_h5_driver_set(access, &h5->failure)) < 0 ||
         H5Pset_fclose_degree(access, H5F_CLOSE_STRONG) < 0 ||
+        H5Pset_evict_on_close(access, format == RK_H5_FOR_1_10) < 0 ||
         (h5->file = H5Fcreate(path, H5F_ACC_TRUNC, creation, access)) < 0) {
         rk_h5_fail(h5, "create", "/");
     }

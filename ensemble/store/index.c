@@ -24,10 +24,11 @@ static struct span next_span(const struct rk_plan *plan, size_t first) {
     return (struct span){first, end - first};
 }
 
-static void write_links(struct rk_h5 *h5, const struct rk_plan *plan, const uint8_t *states) {
+static void write_links(struct rk_h5 *h5, const struct rk_plan *plan,
+                        const struct rk_run_mark *marks) {
     hid_t files = rk_h5_group(h5, h5->file, "files");
     for (size_t i = 0; i < plan->count; i++) {
-        if (states[i] == RK_RUN_DONE || states[i] == RK_RUN_FAILED) {
+        if (marks[i].state == RK_RUN_DONE || marks[i].state == RK_RUN_FAILED) {
             char name[RK_RUN_ID + 16];
             snprintf(name, sizeof name, "runs/%s.h5", plan->runs[i].id);
             rk_h5_external(h5, files, plan->runs[i].id, name);
@@ -36,54 +37,117 @@ static void write_links(struct rk_h5 *h5, const struct rk_plan *plan, const uint
     rk_h5_release(h5, files);
 }
 
-/* Map row `row` of a virtual dataset to the values in a run's file. */
-static bool map_row(hid_t creation, hid_t space, size_t row, hsize_t samples, const char *id,
-                    const char *values) {
-    char name[RK_RUN_ID + 16];
-    snprintf(name, sizeof name, "runs/%s.h5", id);
-    hsize_t from[2] = {row, 0}, size[2] = {1, samples};
-    hid_t source = H5Screate_simple(1, &samples, NULL);
-    bool fine = source >= 0 &&
-                H5Sselect_hyperslab(space, H5S_SELECT_SET, from, NULL, size, NULL) >= 0 &&
-                H5Pset_virtual(creation, space, name, values, source) >= 0;
+/* HDF5 keeps some ten kilobytes for every row that a virtual dataset maps. So that memory does not
+ * grow with the number of replicas, one of many is put together from parts of so many rows. */
+enum { ROWS_A_PART = 256 };
+
+/* A virtual dataset in the making. */
+struct mosaic {
+    hid_t space, creation;
+    hsize_t samples;
+    bool fine;
+};
+
+static struct mosaic mosaic_of(size_t rows, hsize_t samples) {
+    const double missing = NAN;
+    hsize_t dims[2] = {rows, samples};
+    struct mosaic m = {.space = H5Screate_simple(2, dims, NULL),
+                       .creation = rk_h5_properties(H5P_DATASET_CREATE),
+                       .samples = samples};
+    m.fine = m.space >= 0 && H5Pset_fill_value(m.creation, H5T_NATIVE_DOUBLE, &missing) >= 0;
+    return m;
+}
+
+/* Its `rows` rows from `row` on are the dataset `values`, of as many, of a file; of one row, values
+ * without rows. */
+static void map_rows(struct mosaic *m, size_t row, size_t rows, const char *file,
+                     const char *values) {
+    hsize_t from[2] = {row, 0}, size[2] = {rows, m->samples};
+    hid_t source =
+        rows > 1 ? H5Screate_simple(2, size, NULL) : H5Screate_simple(1, &m->samples, NULL);
+    m->fine = m->fine && source >= 0 &&
+              H5Sselect_hyperslab(m->space, H5S_SELECT_SET, from, NULL, size, NULL) >= 0 &&
+              H5Pset_virtual(m->creation, m->space, file, values, source) >= 0;
     H5Sclose(source);
-    return fine;
+}
+
+static hid_t place(struct rk_h5 *h5, hid_t parent, const char *name, struct mosaic *m) {
+    hid_t dataset = H5I_INVALID_HID;
+    if (m->fine && H5Sselect_all(m->space) >= 0) {
+        dataset = H5Dcreate2(parent, name, H5T_IEEE_F64LE, m->space, H5P_DEFAULT, m->creation,
+                             H5P_DEFAULT);
+    }
+    if (dataset < 0) {
+        rk_h5_fail(h5, "write", name);
+    }
+    H5Pclose(m->creation);
+    H5Sclose(m->space);
+    return dataset;
+}
+
+/* What is needed of a column: which runs, and where it is in their files. */
+struct column {
+    const struct rk_plan *plan;
+    const struct rk_run_mark *marks;
+    hsize_t samples;
+    char values[256];
+};
+
+/* The runs of a span, a row each. */
+static hid_t write_rows(struct rk_h5 *h5, hid_t parent, const char *name, const struct column *c,
+                        struct span span) {
+    struct mosaic m = mosaic_of(span.count, c->samples);
+    for (size_t i = 0; i < span.count; i++) {
+        if (c->marks[span.first + i].state == RK_RUN_DONE) {
+            char file[RK_RUN_ID + 16];
+            snprintf(file, sizeof file, "runs/%s.h5", c->plan->runs[span.first + i].id);
+            map_rows(&m, i, 1, file, c->values);
+        }
+    }
+    return place(h5, parent, name, &m);
+}
+
+/* The same by parts, which lie in a group beside it. */
+static hid_t write_parts(struct rk_h5 *h5, hid_t parent, const char *name, const struct column *c,
+                         struct span span) {
+    char group[RK_NAME + 8], path[1024];
+    snprintf(group, sizeof group, "%s.parts", name);
+    hid_t parts = rk_h5_group(h5, parent, group);
+    struct mosaic m = mosaic_of(span.count, c->samples);
+    ssize_t length = H5Iget_name(parts, path, sizeof path - 24);
+    m.fine = m.fine && length > 0 && (size_t)length < sizeof path - 24;
+    for (size_t first = 0; m.fine && h5->status == RK_OK && first < span.count;
+         first += ROWS_A_PART) {
+        size_t left = span.count - first, rows = left < ROWS_A_PART ? left : ROWS_A_PART;
+        char number[24];
+        snprintf(number, sizeof number, "%zu", first);
+        const struct span part = {span.first + first, rows};
+        rk_h5_release(h5, write_rows(h5, parts, number, c, part));
+        snprintf(path + length, sizeof path - (size_t)length, "/%s", number);
+        map_rows(&m, first, rows, ".", path);
+    }
+    rk_h5_release(h5, parts);
+    return place(h5, parent, name, &m);
 }
 
 static void write_column(struct rk_h5 *h5, hid_t parent, const struct rk_plan *plan,
-                         const uint8_t *states, struct span span, hsize_t samples,
+                         const struct rk_run_mark *marks, struct span span, hsize_t samples,
                          const struct rk_probe *probe, const struct rk_probe_column *column) {
     if (h5->status != RK_OK) {
         return;
     }
-    char values[256];
-    snprintf(values, sizeof values, "/observables/%s/%s/value", probe->piece.name, column->name);
-    const double missing = NAN;
-    hsize_t dims[2] = {span.count, samples};
-    hid_t space = H5Screate_simple(2, dims, NULL);
-    hid_t creation = rk_h5_properties(H5P_DATASET_CREATE);
-    bool fine = H5Pset_fill_value(creation, H5T_NATIVE_DOUBLE, &missing) >= 0;
-    for (size_t i = 0; fine && i < span.count; i++) {
-        if (states[span.first + i] == RK_RUN_DONE) {
-            fine = map_row(creation, space, i, samples, plan->runs[span.first + i].id, values);
-        }
-    }
-    hid_t dataset = H5I_INVALID_HID;
-    if (fine && H5Sselect_all(space) >= 0) {
-        dataset = H5Dcreate2(parent, column->name, H5T_IEEE_F64LE, space, H5P_DEFAULT, creation,
-                             H5P_DEFAULT);
-    }
-    if (dataset < 0) {
-        rk_h5_fail(h5, "write", column->name);
-    } else if (column->unit[0] != '\0') {
+    struct column c = {.plan = plan, .marks = marks, .samples = samples};
+    snprintf(c.values, sizeof c.values, "/observables/%s/%s/value", probe->piece.name,
+             column->name);
+    hid_t dataset = span.count > 2 * ROWS_A_PART ? write_parts(h5, parent, column->name, &c, span)
+                                                 : write_rows(h5, parent, column->name, &c, span);
+    if (h5->status == RK_OK && column->unit[0] != '\0') {
         rk_h5_note(h5, dataset, "unit", column->unit);
     }
     rk_h5_release(h5, dataset);
-    H5Pclose(creation);
-    H5Sclose(space);
 }
 
-static void write_complete(struct rk_h5 *h5, hid_t parent, const uint8_t *states,
+static void write_complete(struct rk_h5 *h5, hid_t parent, const struct rk_run_mark *marks,
                            struct span span) {
     uint8_t *complete = malloc(span.count + 1);
     if (!complete) {
@@ -91,7 +155,7 @@ static void write_complete(struct rk_h5 *h5, hid_t parent, const uint8_t *states
         return;
     }
     for (size_t i = 0; i < span.count; i++) {
-        complete[i] = states[span.first + i] == RK_RUN_DONE;
+        complete[i] = marks[span.first + i].state == RK_RUN_DONE;
     }
     hsize_t count = span.count;
     rk_h5_values(h5, parent, "complete", RK_H5_BYTE, 1, &count, complete, NULL);
@@ -99,20 +163,20 @@ static void write_complete(struct rk_h5 *h5, hid_t parent, const uint8_t *states
 }
 
 static void write_point(struct rk_h5 *h5, hid_t parent, const struct rk_plan *plan,
-                        const uint8_t *states, struct span span) {
+                        const struct rk_run_mark *marks, struct span span) {
     const struct rk_case *scene = plan->study->scene;
     const struct rk_point *point = &plan->study->points[plan->runs[span.first].point];
     struct rk_schedule schedule = scene->schedule(point->params);
     hsize_t samples = rk_schedule_samples(&schedule);
     double interval = (double)schedule.sample_every * schedule.dt;
     hid_t group = rk_h5_group(h5, parent, point->name);
-    write_complete(h5, group, states, span);
+    write_complete(h5, group, marks, span);
     rk_h5_values(h5, group, "interval", RK_H5_REAL, 0, NULL, &interval, "sqrt(d/g)");
     for (size_t p = 0; p < scene->probes->count; p++) {
         const struct rk_probe *probe = rk_columns_probe(scene, p);
         hid_t columns = rk_h5_group(h5, group, probe->piece.name);
         for (size_t c = 0; c < probe->count; c++) {
-            write_column(h5, columns, plan, states, span, samples, probe, &probe->columns[c]);
+            write_column(h5, columns, plan, marks, span, samples, probe, &probe->columns[c]);
         }
         rk_h5_release(h5, columns);
     }
@@ -122,18 +186,18 @@ static void write_point(struct rk_h5 *h5, hid_t parent, const struct rk_plan *pl
 /* What the index is written from. */
 struct contents {
     const struct rk_plan *plan;
-    const uint8_t *states; /* an enum rk_run_state a run */
+    const struct rk_run_mark *marks; /* of the runs */
     const struct rk_index_addition *addition;
 };
 
 static void write_contents(struct rk_h5 *h5, const void *context) {
     const struct contents *c = context;
-    rk_runs_table(h5, h5->file, c->plan, c->states);
-    write_links(h5, c->plan, c->states);
+    rk_runs_table(h5, h5->file, c->plan, c->marks);
+    write_links(h5, c->plan, c->marks);
     hid_t observables = rk_h5_group(h5, h5->file, "observables");
     for (size_t first = 0; first < c->plan->count;) {
         struct span span = next_span(c->plan, first);
-        write_point(h5, observables, c->plan, c->states, span);
+        write_point(h5, observables, c->plan, c->marks, span);
         first += span.count;
     }
     rk_h5_release(h5, observables);
@@ -150,16 +214,17 @@ struct note {
     char text[RK_NAME + 64];
 };
 
-static struct note note_of(const struct rk_plan *plan, const uint8_t *states) {
+static struct note note_of(const struct rk_plan *plan, const struct rk_run_mark *marks) {
     struct note note;
     snprintf(note.text, sizeof note.text, "%s, states %016llx", plan->study->name,
-             (unsigned long long)XXH64(states, plan->count, 0));
+             (unsigned long long)XXH64(marks, plan->count * sizeof *marks, 0));
     return note;
 }
 
-static bool is_current(const char *folder, const struct rk_plan *plan, const uint8_t *states) {
+static bool is_current(const char *folder, const struct rk_plan *plan,
+                       const struct rk_run_mark *marks) {
     struct rk_path path;
-    struct note note = note_of(plan, states);
+    struct note note = note_of(plan, marks);
     struct rk_seal found, expected = rk_study_file_seal(&index_file, plan, note.text);
     return rk_path_set(&path, NULL, "%s/study.h5", folder) == RK_OK &&
            rk_seal_verify(path.text, &found, NULL) == RK_OK &&
@@ -167,28 +232,30 @@ static bool is_current(const char *folder, const struct rk_plan *plan, const uin
            strcmp(found.reason, expected.reason) == 0;
 }
 
-static void states_of(const char *folder, const struct rk_plan *plan, uint8_t *states) {
+static void mark_runs(const char *folder, const struct rk_plan *plan, struct rk_run_mark *marks) {
     for (size_t i = 0; i < plan->count; i++) {
-        states[i] = (uint8_t)rk_store_run_state(folder, plan, &plan->runs[i]);
+        struct rk_run_facts facts = rk_store_run_facts(folder, plan, &plan->runs[i]);
+        marks[i] = (struct rk_run_mark){(uint8_t)facts.state, (uint8_t)facts.retries};
     }
 }
 
-static enum rk_status build(const char *folder, const struct rk_plan *plan, const uint8_t *states,
+static enum rk_status build(const char *folder, const struct rk_plan *plan,
+                            const struct rk_run_mark *marks,
                             const struct rk_index_addition *addition, struct rk_error *err) {
-    const struct contents contents = {plan, states, addition};
-    return rk_study_file_write(&index_file, folder, plan, note_of(plan, states).text, &contents,
+    const struct contents contents = {plan, marks, addition};
+    return rk_study_file_write(&index_file, folder, plan, note_of(plan, marks).text, &contents,
                                err);
 }
 
 enum rk_status rk_index_write(const char *folder, const struct rk_plan *plan,
                               const struct rk_index_addition *addition, struct rk_error *err) {
-    uint8_t *states = malloc(plan->count + 1);
-    if (!states) {
+    struct rk_run_mark *marks = malloc((plan->count + 1) * sizeof *marks);
+    if (!marks) {
         return rk_fail(err, RK_EMEMORY, "not enough memory to index %zu runs", plan->count);
     }
-    states_of(folder, plan, states);
-    enum rk_status status = build(folder, plan, states, addition, err);
-    free(states);
+    mark_runs(folder, plan, marks);
+    enum rk_status status = build(folder, plan, marks, addition, err);
+    free(marks);
     return status;
 }
 
@@ -198,17 +265,17 @@ enum rk_status rk_index_refresh(const char *folder, const struct rk_plan *plan,
                                 struct rk_error *err) {
     enum { TRIES = 8 };
     enum rk_status status = RK_OK;
-    uint8_t *states = malloc(plan->count + 1);
-    if (!states) {
+    struct rk_run_mark *marks = malloc((plan->count + 1) * sizeof *marks);
+    if (!marks) {
         return rk_fail(err, RK_EMEMORY, "not enough memory to index %zu runs", plan->count);
     }
     for (int i = 0; status == RK_OK && i < TRIES; i++) {
-        states_of(folder, plan, states);
-        if (is_current(folder, plan, states)) {
+        mark_runs(folder, plan, marks);
+        if (is_current(folder, plan, marks)) {
             break;
         }
-        status = build(folder, plan, states, NULL, err);
+        status = build(folder, plan, marks, NULL, err);
     }
-    free(states);
+    free(marks);
     return status;
 }

@@ -1,11 +1,13 @@
 /* study.h5: one file to open for everything that a study has come to.
  *
- *     /runs                                 id, point, replica, state of every run of the plan
+ *     /runs                                 id, point, replica, state and retries of every run of
+ *                                           the plan
  *     /files/<id>                           external link to the file of a run that has one
  *     /observables/<point>/complete         [replica] 1 where the run is done, else 0
  *     /observables/<point>/interval         between two samples
  *     /observables/<point>/<probe>/<column> [replica][sample], a virtual dataset over the files of
  *                                           the done runs; NaN where `complete` is 0
+ *     /observables/<point>/<probe>/<column>.parts   of many replicas: what it is made of
  *     /analysis                             whatever the analyses add
  *
  * It is built from scratch and replaced by a rename; the same runs give the same bytes. It links by

@@ -15,6 +15,11 @@ struct rk_origin {
 
 struct rk_origin rk_origin_of(const struct rk_plan *plan, const struct rk_run *run);
 
+/* The same of what a try keeps while it runs: a retry does not go on from another try's checkpoint,
+ * nor from one with other steps. */
+struct rk_origin rk_origin_of_try(const struct rk_plan *plan, const struct rk_run *run,
+                                  uint64_t retries);
+
 /* Is it that run of that plan? */
 bool rk_origin_is(const struct rk_origin *origin, const struct rk_plan *plan,
                   const struct rk_run *run);

@@ -67,7 +67,8 @@ static enum rk_status compare_point(const char *folder, const struct rk_study *s
     for (size_t i = 0; i < rk_param_total(table); i++) {
         struct rk_param_line a = rk_param_line(table, i, there->params);
         struct rk_param_line b = rk_param_line(table, i, asked->params);
-        if (strcmp(a.text, b.text) != 0 && !rk_param_at(table, i).row->extends) {
+        const struct rk_param *row = rk_param_at(table, i).row;
+        if (strcmp(a.text, b.text) != 0 && !row->extends && !row->silent) {
             char what[RK_PARAM_PATH + RK_NAME + 16];
             snprintf(what, sizeof what, "%s (point %s)", a.path, there->name);
             return differs(folder, err, what, a.text, b.text);
@@ -111,6 +112,24 @@ static enum rk_status compare_points(const char *folder, const struct rk_study *
     return status;
 }
 
+/* Runs that failed may be given retries, or more of them; those that had theirs stay what they are.
+ */
+static enum rk_status compare_retries(const char *folder, const struct rk_retry *there,
+                                      const struct rk_retry *asked, struct rk_error *err) {
+    char a[RK_PARAM_TEXT], b[RK_PARAM_TEXT];
+    bool same_step = there->step == asked->step || there->times == 0;
+    if (asked->times >= there->times && same_step) {
+        return RK_OK;
+    }
+    if (asked->times == 0) {
+        return differs(folder, err, "retry", "a smaller step for runs that failed", "none");
+    }
+    struct rk_param_ref ref = rk_param_at(&rk_retry_params, same_step ? 1 : 0);
+    rk_param_text(ref, there, a);
+    rk_param_text(ref, asked, b);
+    return differs(folder, err, same_step ? "retry.times" : "retry.step", a, b);
+}
+
 /* May the folder of the study `there` become that of the study `asked`? */
 static enum rk_status compare_studies(const char *folder, const struct rk_study *there,
                                       const struct rk_study *asked, struct rk_error *err) {
@@ -123,7 +142,8 @@ static enum rk_status compare_studies(const char *folder, const struct rk_study 
         snprintf(b, sizeof b, "%llu", (unsigned long long)asked->seed);
         return differs(folder, err, "seed", a, b);
     }
-    return compare_points(folder, there, asked, err);
+    enum rk_status status = compare_retries(folder, &there->retry, &asked->retry, err);
+    return status == RK_OK ? compare_points(folder, there, asked, err) : status;
 }
 
 /* ---- Whose folder it is ---- */

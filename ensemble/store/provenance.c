@@ -62,6 +62,9 @@ void rk_provenance_parameters(struct rk_h5 *h5, hid_t parent, const struct rk_st
     hid_t group = H5I_INVALID_HID;
     for (size_t i = 0; i < rk_param_total(table); i++) {
         struct rk_param_ref ref = rk_param_at(table, i);
+        if (ref.row->silent) {
+            continue;
+        }
         bool plain = ref.group->prefix[0] == '\0';
         if (!plain && ref.group != open) {
             rk_h5_release(h5, group);

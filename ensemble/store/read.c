@@ -106,8 +106,9 @@ enum rk_status rk_store_read(const char *folder, const struct rk_plan *plan,
                          path.text, (unsigned long long)seal.steps,
                          (unsigned long long)plan->points[run->point].steps);
     }
-    if (status != RK_OK) {
-        return status;
+    if (status == RK_OK && !rk_seal_fits(&seal, plan->study)) {
+        status = rk_fail(err, RK_EFORMAT, "'%.200s' is of a retry that the study does not have",
+                         path.text);
     }
-    return read_guarded(path.text, name, out, err);
+    return status == RK_OK ? read_guarded(path.text, name, out, err) : status;
 }

@@ -21,12 +21,24 @@ struct block {
     char reason[512];
     uint64_t length; /* of the whole file */
     uint64_t sum;    /* of what follows the block */
-    char spare[RK_SEAL_SIZE - 704];
+    uint64_t retries;
+    double step;
+    char spare[RK_SEAL_SIZE - 720];
     uint64_t self; /* sum of this block up to here */
 };
 _Static_assert(sizeof(struct block) == RK_SEAL_SIZE, "the seal fills its block");
 
 static const uint64_t magic = 0x31656c6573736b52; /* "Rkssele1" */
+
+bool rk_seal_fits(const struct rk_seal *seal, const struct rk_study *study) {
+    return seal->retries == 0 || (seal->retries <= study->retry.times &&
+                                  seal->step == rk_retry_step(&study->retry, seal->retries));
+}
+
+bool rk_seal_is_last(const struct rk_seal *seal, const struct rk_study *study) {
+    bool again = seal->state == RK_SEAL_FAILED && seal->retries < study->retry.times;
+    return rk_seal_fits(seal, study) && !again;
+}
 
 static enum rk_status sum_of_rest(int file, const char *path, uint64_t *sum, uint64_t *length,
                                   struct rk_error *err) {
@@ -73,6 +85,8 @@ enum rk_status rk_seal_write(const char *path, const struct rk_seal *seal, struc
     block.origin = seal->origin;
     block.state = (uint32_t)seal->state;
     block.steps = seal->steps;
+    block.retries = seal->retries;
+    block.step = seal->step;
     memcpy(block.reason, seal->reason, strnlen(seal->reason, sizeof block.reason - 1));
     enum rk_status status = sum_of_rest(file, path, &block.sum, &block.length, err);
     block.self = XXH64(&block, offsetof(struct block, self), 0);
@@ -111,7 +125,8 @@ static enum rk_status read_block(int file, const char *path, struct block *block
     if ((block->state != RK_SEAL_DONE && block->state != RK_SEAL_FAILED) ||
         !memchr(block->reason, 0, sizeof block->reason) ||
         !memchr(block->origin.identity, 0, sizeof block->origin.identity) ||
-        !memchr(block->origin.run, 0, sizeof block->origin.run)) {
+        !memchr(block->origin.run, 0, sizeof block->origin.run) ||
+        block->retries > RK_RETRIES_MAX) {
         return damaged(err, path, "its first kilobyte says what cannot be");
     }
     if (block->length != (uint64_t)facts.st_size) {
@@ -138,8 +153,11 @@ static enum rk_status read_seal(const char *path, bool whole, struct rk_seal *se
     }
     close(file);
     if (status == RK_OK) {
-        *seal = (struct rk_seal){
-            .origin = block.origin, .state = (enum rk_seal_state)block.state, .steps = block.steps};
+        *seal = (struct rk_seal){.origin = block.origin,
+                                 .state = (enum rk_seal_state)block.state,
+                                 .steps = block.steps,
+                                 .retries = block.retries,
+                                 .step = block.step};
         memcpy(seal->reason, block.reason, sizeof seal->reason);
     }
     return status;

@@ -20,9 +20,16 @@ enum rk_seal_state { RK_SEAL_DONE = 1, RK_SEAL_FAILED = 2 };
 struct rk_seal {
     struct rk_origin origin; /* of a file that is not a run's: its kind in place of the run */
     enum rk_seal_state state;
-    uint64_t steps;   /* that the run was asked for */
+    uint64_t steps;   /* that the run was asked for, in the study's own time step */
     char reason[512]; /* of a failed run */
+    uint64_t retries; /* that it took, 0: none, */
+    double step;      /* and its time steps over the study's, 0: none were made smaller */
 };
+
+/* Is it of a try that the study has, its steps what they are there? And is it the last: done, or
+ * failed with no retry left? */
+bool rk_seal_fits(const struct rk_seal *seal, const struct rk_study *study);
+bool rk_seal_is_last(const struct rk_seal *seal, const struct rk_study *study);
 
 /* Seal a closed file whose first RK_SEAL_SIZE bytes are free. */
 enum rk_status rk_seal_write(const char *path, const struct rk_seal *seal, struct rk_error *err);

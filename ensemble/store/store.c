@@ -54,9 +54,10 @@ struct rk_worker *rk_store_worker(const struct rk_store *store) {
 
 /* ---- Whose folder is it? ---- */
 
-/* What a program that was killed while it made a study folder may have left before plan.h5. */
+/* What a program that was killed while it made a study folder may have left before plan.h5, and
+ * what does not tell whose folder it is. */
 static bool is_beginning(const char *name) {
-    static const char *const names[] = {".", "..", "at_work", "runs"};
+    static const char *const names[] = {".", "..", "at_work", "runs", "effort.csv"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         if (strcmp(name, names[i]) == 0) {
             return true;
@@ -225,31 +226,29 @@ void rk_store_close(struct rk_store *store) {
 
 /* ---- What is there of a run ---- */
 
-enum rk_run_state rk_store_run_reason(const char *folder, const struct rk_plan *plan,
-                                      const struct rk_run *run, char reason[512]) {
+struct rk_run_facts rk_store_run_facts(const char *folder, const struct rk_plan *plan,
+                                       const struct rk_run *run) {
+    struct rk_run_facts facts = {.state = RK_RUN_WAITING};
     struct rk_path path;
     struct rk_seal seal;
-    if (reason) {
-        reason[0] = '\0';
-    }
     if (rk_path_of_run(&path, folder, run->id, ".h5", NULL) != RK_OK) {
-        return RK_RUN_WAITING;
+        return facts;
     }
     if (rk_seal_read(path.text, &seal, NULL) == RK_OK && rk_origin_is(&seal.origin, plan, run) &&
-        seal.steps == plan->points[run->point].steps) {
-        if (reason) {
-            memcpy(reason, seal.reason, sizeof seal.reason);
-        }
-        return seal.state == RK_SEAL_FAILED ? RK_RUN_FAILED : RK_RUN_DONE;
+        seal.steps == plan->points[run->point].steps && rk_seal_is_last(&seal, plan->study)) {
+        facts.state = seal.state == RK_SEAL_FAILED ? RK_RUN_FAILED : RK_RUN_DONE;
+        facts.retries = seal.retries;
+        memcpy(facts.reason, seal.reason, sizeof facts.reason);
+    } else if (rk_path_of_run(&path, folder, run->id, ".ckpt", NULL) == RK_OK &&
+               rk_checkpoint_exists(path.text)) {
+        facts.state = RK_RUN_STARTED;
     }
-    bool started = rk_path_of_run(&path, folder, run->id, ".ckpt", NULL) == RK_OK &&
-                   rk_checkpoint_exists(path.text);
-    return started ? RK_RUN_STARTED : RK_RUN_WAITING;
+    return facts;
 }
 
 enum rk_run_state rk_store_run_state(const char *folder, const struct rk_plan *plan,
                                      const struct rk_run *run) {
-    return rk_store_run_reason(folder, plan, run, NULL);
+    return rk_store_run_facts(folder, plan, run).state;
 }
 
 size_t rk_store_surplus(const char *folder, const struct rk_plan *plan) {

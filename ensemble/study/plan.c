@@ -1,6 +1,7 @@
 #include "ensemble/study/private.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 void rk_identity_write(XXH128_hash_t hash, char identity[RK_IDENTITY]) {
     snprintf(identity, RK_IDENTITY, "%016llx%016llx", (unsigned long long)hash.high64,
@@ -9,7 +10,7 @@ void rk_identity_write(XXH128_hash_t hash, char identity[RK_IDENTITY]) {
 
 /* A longer run begins with the bytes of a shorter one: its length is not what it is. */
 static bool in_identity(struct rk_param_ref ref) {
-    return !ref.row->extends;
+    return !ref.row->extends && !ref.row->silent;
 }
 
 /* ---- What decides which bytes ---- */
@@ -42,6 +43,9 @@ static enum rk_status identify(struct rk_plan *plan, struct rk_error *err) {
             identify_point(study, &study->points[p], canonical, &preparer, point);
             XXH3_128bits_update(all, point->identity, RK_IDENTITY);
             XXH3_128bits_update(all, &point->steps, sizeof point->steps);
+        }
+        if (study->retry.times > 0) {
+            XXH3_128bits_update(all, &study->retry, sizeof study->retry);
         }
         rk_identity_write(XXH3_128bits_digest(all), plan->identity);
     }
@@ -127,4 +131,23 @@ void rk_plan_free(struct rk_plan *plan) {
         free(plan->runs);
         free(plan);
     }
+}
+
+uint64_t rk_study_threads(const struct rk_study *study, size_t point) {
+    struct rk_param_ref ref = rk_param_find(study->scene->params, "run.threads");
+    uint64_t threads = 0;
+    if (ref.row) {
+        const char *group = (const char *)study->points[point].params + ref.group->offset;
+        memcpy(&threads, group + ref.row->offset, sizeof threads);
+    }
+    return threads;
+}
+
+uint64_t rk_study_most_threads(const struct rk_study *study) {
+    uint64_t most = 0;
+    for (size_t p = 0; p < study->point_count; p++) {
+        uint64_t threads = rk_study_threads(study, p);
+        most = threads > most ? threads : most;
+    }
+    return most;
 }

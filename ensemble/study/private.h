@@ -48,6 +48,10 @@ enum rk_status rk_study_read_points(const struct rk_sources *sources, struct rk_
 enum rk_status rk_study_read_analyses(const struct rk_sources *sources, struct rk_study *study,
                                       struct rk_error *err);
 
+/* What becomes of runs that go wrong, of a study whose points are read. */
+enum rk_status rk_study_read_retry(const struct rk_sources *sources, struct rk_study *study,
+                                   struct rk_error *err);
+
 /* The precision asked for, of a study whose analyses are read. */
 enum rk_status rk_study_read_until(const struct rk_sources *sources, struct rk_study *study,
                                    struct rk_error *err);

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const keys[] = {"study", "case",     "seed",    "replicas", "base", "points",
-                                   "sweep", "analyses", "include", "keep",     "until"};
+static const char *const keys[] = {"study", "case",     "seed",    "replicas", "base",  "points",
+                                   "sweep", "analyses", "include", "keep",     "until", "retry"};
 enum { KEYS = sizeof keys / sizeof *keys };
 
 static const char *key_name(const void *list, size_t i) {
@@ -63,7 +63,7 @@ static enum rk_status check_keys(const struct rk_yaml *tree, struct rk_error *er
             return rk_yaml_wrong(tree, n->key_place, err, "a study has no key '%.64s'%s", n->key,
                                  rk_hint_of(nearest, "; it may have study, case, seed, replicas, "
                                                      "base, points, sweep, analyses, include, "
-                                                     "keep, until")
+                                                     "keep, until, retry")
                                      .text);
         }
     }
@@ -179,6 +179,9 @@ static enum rk_status read_study(const struct rk_sources *sources, struct rk_stu
     }
     if (status == RK_OK) {
         status = check_runs(sources, study, err);
+    }
+    if (status == RK_OK) {
+        status = rk_study_read_retry(sources, study, err);
     }
     if (status == RK_OK) {
         status = rk_study_read_analyses(sources, study, err);

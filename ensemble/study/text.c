@@ -59,6 +59,10 @@ static void write_study(FILE *out, const struct rk_study *study) {
             (unsigned long long)study->replicas,
             study->keeps_checkpoints ? "checkpoint" : "results");
     write_all(out, "  ", table, study->points[0].params);
+    if (study->retry.times > 0) {
+        fprintf(out, "retry:\n");
+        write_all(out, "  ", &rk_retry_params, &study->retry);
+    }
     if (study->root_count > 0 || study->axis_count == 0) {
         write_points(out, study);
     }

@@ -2,6 +2,7 @@
 #include "ensemble/analysis/private.h"
 #include "ensemble/study/private.h"
 
+#include "ensemble/analysis/private.h"
 #include "stats/stein.h"
 
 #include <string.h>
@@ -94,6 +95,38 @@ static enum rk_status find_request(struct rk_spot map, struct rk_study *study,
         at, err, "until: '%.64s' is not among the analyses that the study asks for", at.node->text);
 }
 
+static const char *quantity_name(const void *list, size_t i) {
+    return ((const char *const *)list)[i];
+}
+
+/* Is it among those that the analysis gives an interval? */
+static enum rk_status check_quantity(struct rk_spot at, const struct rk_until *until,
+                                     struct rk_error *err) {
+    const struct rk_analysis *analysis = until->request->analysis;
+    const char *const *names = analysis->methods->quantities;
+    size_t count = 0;
+    if (analysis->methods->estimate_all) {
+        return rk_spot_wrong(at, err, "until: %s is one estimate of all points, not one of each",
+                             analysis->piece.name);
+    }
+    for (; names && names[count]; count++) {
+        if (strcmp(names[count], until->quantity) == 0) {
+            return RK_OK;
+        }
+    }
+    if (count == 0) {
+        return RK_OK; /* it does not say */
+    }
+    char all[256] = "";
+    for (size_t i = 0, used = 0; i < count && used < sizeof all; i++) {
+        used +=
+            (size_t)snprintf(all + used, sizeof all - used, "%s%s", i > 0 ? ", " : "", names[i]);
+    }
+    const char *nearest = rk_nearest_name(until->quantity, count, quantity_name, names);
+    return rk_spot_wrong(at, err, "until: %s has no quantity '%.64s' with an interval%s; it has %s",
+                         analysis->piece.name, until->quantity, rk_hint_of(nearest, "").text, all);
+}
+
 /* What is wanted must be written, and fit the pilot. */
 static enum rk_status check(struct rk_spot map, const struct rk_study *study,
                             struct rk_error *err) {
@@ -149,6 +182,9 @@ enum rk_status rk_study_read_until(const struct rk_sources *sources, struct rk_s
     }
     if (status == RK_OK) {
         status = rk_study_copy_name(quantity, "quantity", study->until.quantity, err);
+    }
+    if (status == RK_OK) {
+        status = check_quantity(quantity, &study->until, err);
     }
     return status == RK_OK ? check(map, study, err) : status;
 }

@@ -79,11 +79,13 @@ struct work {
 };
 
 /* Per grain and component: r, v, a read and written; a force, 3 operations to correct, 6 to
- * predict, 1 for the acceleration. Per grain: the force row read and, with the next weight (4),
- * written, the motion row written, mass, inverse mass and, if it turns, inverse inertia read. */
+ * predict, 1 for the acceleration. Per grain: the sums of forces read and, with the next weight
+ * (4), written, the motion row written, mass, inverse mass and, if it turns, inverse inertia read.
+ */
 static struct work move_work(bool turns) {
     double components = turns ? 3 : 2;
-    return (struct work){.bytes = 48 * components + 32 + 32 + 32 + 16 + (turns ? 8 : 0),
+    return (struct work){.bytes =
+                             48 * components + 2 * (turns ? 32 : 16) + 32 + 16 + (turns ? 8 : 0),
                          .operations = 10 * components + 4};
 }
 
@@ -96,11 +98,11 @@ static struct work pick_work(bool turns, double pairs, double close, double pick
 }
 
 /* Per close pair: two indices, shift, reach, the normal force out and with friction two radii and
- * the tangential force in and out. Per grain: the motion row in, the force row in and out, the
+ * the tangential force in and out. Per grain: the motion row in, the sums of forces in and out, the
  * angular velocity. Operations of a close pair: 29 for geometry (a root and a quotient are one
  * each), 8 for the normal force and 4 for its sums; friction 29 more. */
 static struct work push_work(bool turns, double close) {
-    return (struct work){.bytes = close * (32 + (turns ? 32 : 0)) + 32 + 64 + (turns ? 8 : 0),
+    return (struct work){.bytes = close * (32 + (turns ? 32 : 0)) + 32 + (turns ? 64 + 8 : 32),
                          .operations = close * (28 + (turns ? 22 : 0))};
 }
 

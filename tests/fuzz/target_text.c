@@ -27,7 +27,7 @@ static void *study_seed(size_t k, size_t *size) {
         "  - name: pbc\n    box: {sides: periodic, width: 28}\nanalyses:\n  - rise: {from: 10}\n"
         "  - ldf\n",
         "study: \"quo\\u0074ed\"\ncase: 'bne'\nbase: {contact.law: viscoelastic}\n"
-        "points: [{name: a}, {name: b, drive.phase: .5}]\n"};
+        "points: [{name: a}, {name: b, drive.phase: .5}]\nretry: {step: 0.5, times: 2}\n"};
     return k < sizeof texts / sizeof *texts ? copy(texts[k], size) : NULL;
 }
 

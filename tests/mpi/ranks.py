@@ -137,9 +137,11 @@ def analyze(folder):
 
 
 def any_mix(work):
-    """Started on threads, killed, continued under mpirun, finished by shards, extended."""
+    """Started on threads, killed, continued under mpirun, finished by shards, extended; with some
+    runs that fail and are tried again with smaller steps."""
     study, more = work / "mix.yaml", work / "more.yaml"
-    text = STUDY.read_text() + ANALYSES
+    text = STUDY.read_text().replace("base:\n", "base:\n  health.travel: 0.0036\n") + ANALYSES
+    text += "retry: {step: 0.5, times: 2}\n"
     study.write_text(re.sub(r"replicas: \d+", "replicas: 6", text))
     more.write_text(re.sub(r"replicas: \d+", "replicas: 8", text))
     folder = work / "mix"
@@ -175,8 +177,9 @@ def any_mix(work):
     expect_same(folder, work / "plain")
     assert analyze(folder) == analyze(work / "plain")
     expect_same(folder, work / "plain")
-    points = text.count("name: ")
+    points = STUDY.read_text().count("name: ")
     assert done[2] == 6 * points and done[3] == 8 * points, done
+    assert 0 < status(folder)["retried"] < 8 * points, status(folder)
     print(f"threads, killed with {done[0]} done; mpirun, a rank killed with {done[1]}; two shards, "
           f"{done[2]}; extended under mpirun, {done[3]}: the same bytes, analyses too")
 

@@ -279,9 +279,11 @@ static void correlated_windows(void **state) {
         STEPS = 2,
         N = WINDOWS * STEPS + 1,
         LONG = R * WINDOWS * STEPS + 1,
-        THIRD = 601
+        THIRD = 601,
+        MOST = 3 * THIRD
     };
-    static double h[R * N > LONG ? R * N : LONG];
+    static double h[MOST];
+    _Static_assert(MOST >= R * N && MOST >= LONG, "room for each of the three");
     const double tau = 5, k = 0.4, v = ou_variance(1, 1, tau), w = ou_variance(1, 1, 2 * tau);
     const double lambda = k * k * tau * v / 2, twice = k * k * 2 * tau * w / 2;
     const double slope = rk_ldf_slope(tau, lambda, 2 * tau, twice);

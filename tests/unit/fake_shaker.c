@@ -62,6 +62,12 @@ const struct rk_scene_spec *rk_scene_spec(const struct rk_scene *scene) {
     return &scene->spec;
 }
 
+enum rk_status rk_scene_set_threads(struct rk_scene *scene, size_t threads, struct rk_error *err) {
+    (void)err;
+    scene->spec.threads = threads;
+    return RK_OK;
+}
+
 bool rk_scene_rotates(const struct rk_scene *scene) {
     return scene->rotates;
 }
@@ -119,12 +125,30 @@ enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t
         .after_preparation = watch, .extends = longer                                              \
     }
 static const struct rk_param rows[] = {
-    ROW(grains, RK_PARAM_COUNT, 20, false, false), ROW(periods, RK_PARAM_COUNT, 8, true, true),
-    ROW(samples, RK_PARAM_COUNT, 5, true, false),  ROW(frames, RK_PARAM_COUNT, 1, true, false),
-    ROW(blow_up, RK_PARAM_REAL, 0, false, false),  ROW(rotates, RK_PARAM_FLAG, 0, false, false),
+    ROW(grains, RK_PARAM_COUNT, 20, false, false),
+    ROW(periods, RK_PARAM_COUNT, 8, true, true),
+    ROW(samples, RK_PARAM_COUNT, 5, true, false),
+    ROW(frames, RK_PARAM_COUNT, 1, true, false),
+    ROW(rotates, RK_PARAM_FLAG, 0, false, false),
+    {.name = "step",
+     .type = RK_PARAM_REAL,
+     .offset = offsetof(struct fake_shaker_params, step),
+     .unit = "",
+     .value = 1,
+     .low = 0.01,
+     .high = 1,
+     .doc = "time step",
+     .time_step = true},
 };
-static const struct rk_param_group groups[] = {{"shaker", rows, 6, 0, RK_PART_PREPARES}};
-static const struct rk_param_table table = {groups, 1, sizeof(struct fake_shaker_params)};
+static const struct rk_param limits[] = {
+    ROW(blow_up, RK_PARAM_REAL, 0, false, false),
+    ROW(bears, RK_PARAM_REAL, 0, false, false),
+};
+static const struct rk_param_group groups[] = {
+    {"shaker", rows, sizeof rows / sizeof *rows, 0, RK_PART_PREPARES},
+    {"limits", limits, sizeof limits / sizeof *limits, 0, RK_PART_PREPARES_TECHNICAL},
+};
+static const struct rk_param_table table = {groups, 2, sizeof(struct fake_shaker_params)};
 
 static enum rk_status check(const void *params, struct rk_error *err) {
     const struct fake_shaker_params *p = params;
@@ -133,11 +157,11 @@ static enum rk_status check(const void *params, struct rk_error *err) {
 
 static struct rk_schedule schedule(const void *params) {
     const struct fake_shaker_params *p = params;
-    uint64_t period = 40 * p->samples;
-    return (struct rk_schedule){.dt = 0.01,
-                                .period = 0.01 * (double)period,
+    uint64_t sample_every = (uint64_t)(40 / p->step), period = sample_every * p->samples;
+    return (struct rk_schedule){.dt = 0.01 * p->step,
+                                .period = 0.01 * p->step * (double)period,
                                 .steps = p->periods * period,
-                                .sample_every = 40,
+                                .sample_every = sample_every,
                                 .samples_per_period = p->samples,
                                 .frame_every = p->frames * period,
                                 .stable_dt = 0.1};
@@ -163,10 +187,10 @@ static enum rk_status box(const void *params, struct rk_scene **out, struct rk_e
     if (!scene) {
         return rk_fail(err, RK_EMEMORY, "no memory");
     }
-    scene->spec.dt = 0.01;
+    scene->spec.dt = 0.01 * p->step;
     scene->spec.period_x = 10;
     scene->rotates = p->rotates;
-    scene->blow_up = p->blow_up;
+    scene->blow_up = p->step <= p->bears ? 0 : p->blow_up;
     *out = scene;
     return RK_OK;
 }
@@ -187,7 +211,7 @@ static enum rk_status fill(const void *params, struct rk_stream stream, struct r
 static enum rk_status settle(const void *params, struct rk_scene *scene,
                              struct rk_preparation *preparation, struct rk_error *err) {
     const struct fake_shaker_params *p = params;
-    if (p->blow_up == 1) {
+    if (p->blow_up == 1 && p->step > p->bears) {
         return rk_fail(err, RK_EUNSTABLE, "the bed would not come to rest");
     }
     enum rk_status status = rk_scene_step(scene, 20, err);

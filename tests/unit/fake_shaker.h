@@ -11,6 +11,8 @@ struct fake_shaker_params {
     uint64_t samples;
     uint64_t frames;
     double blow_up; /* step at which it goes wrong, 0: never; 1: while it is prepared */
+    double bears;   /* a time step that small never goes wrong */
+    double step;    /* the time step, in hundredths */
     bool rotates;
 };
 

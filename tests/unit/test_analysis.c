@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "ensemble/analysis/json.h"
 #include "ensemble/analysis/private.h"
+#include "ensemble/study.h"
 #include "stats/stats.h"
 
 #include <math.h>
@@ -60,6 +61,19 @@ static void estimate(const struct rk_analysis *analysis, double rise, struct rk_
  * of them are allowed, here and (over the period of 4) below. */
 static const double error = 0.00186;
 
+/* What a study may aim at is there, with its interval. */
+static void expect_quantities(const struct rk_analysis *analysis, const struct rk_result *result) {
+    size_t count = 0;
+    for (; analysis->methods->quantities[count]; count++) {
+        char end[RK_NAME];
+        const char *name = analysis->methods->quantities[count];
+        snprintf(end, sizeof end, "%s_low", name);
+        const struct rk_value *value = rk_result_find(result, name);
+        assert_true(value && value->scalar && rk_result_find(result, end));
+    }
+    assert_true(count > 0);
+}
+
 static void rise_in_its_units(void **state) {
     (void)state;
     struct rk_result result;
@@ -76,6 +90,7 @@ static void rise_in_its_units(void **state) {
                           *high = rk_result_find(&result, "q95");
     assert_true(low->numbers[0] == 3 && high->numbers[0] == 3);
     assert_true(low->numbers[PERIODS] < high->numbers[PERIODS]);
+    expect_quantities(&rk_analysis_rise, &result);
     rk_result_clear(&result);
 }
 
@@ -91,6 +106,7 @@ static void ldf_in_its_units(void **state) {
     assert_true(rk_result_number(&result, "curvature_low") < curvature);
     assert_true(rk_result_number(&result, "curvature_high") > curvature);
     assert_int_equal(rk_result_rows(&result), 81);
+    expect_quantities(&rk_analysis_ldf, &result);
     rk_result_clear(&result);
 }
 
@@ -106,6 +122,7 @@ static void pdf_in_its_units(void **state) {
     assert_true(fabs(variance - 1) < 5 * sqrt(2.0 / (REPLICAS * PERIODS)));
     assert_true(rk_result_number(&result, "samples") == REPLICAS * PERIODS);
     assert_true(rk_result_rows(&result) > 10 && rk_result_find(&result, "stretched"));
+    expect_quantities(&rk_analysis_pdf, &result);
     rk_result_clear(&result);
 }
 
@@ -133,6 +150,7 @@ static void relax_in_its_units(void **state) {
     assert_true(fabs(rk_result_number(&result, "time") - 20) < 1.5 * (high - low));
     assert_true(high - low < 1 && fabs(rk_result_number(&result, "final") - 5) < 0.01);
     assert_int_equal(rk_result_rows(&result), PERIODS + 1);
+    expect_quantities(&rk_analysis_relax, &result);
     rk_result_clear(&result);
     free(heights);
 }
@@ -162,6 +180,7 @@ static void surface_in_its_units(void **state) {
     assert_int_equal(rk_result_rows(&result), 2);
     const struct rk_value *until = rk_result_find(&result, "until");
     assert_true(until->numbers[0] == 4 && until->numbers[1] == PERIODS);
+    expect_quantities(&rk_analysis_surface, &result);
     rk_result_clear(&result);
     free(heights);
 }

@@ -305,6 +305,44 @@ static void check_threads(struct recipe recipe) {
     rk_scene_free(scenes[1]);
 }
 
+/* More threads, fewer, and looks and a resumed state in between. */
+static void threads_may_change_between_steps(void **state) {
+    (void)state;
+    for (size_t k = 0; k < 9; k++) {
+        struct recipe recipe = {
+            .law = "linear",
+            .friction = rk_friction_registry.pieces[k % rk_friction_registry.count]->name,
+            .rolling = k % 3 == 1 ? "spring" : "none",
+            .tension = "cut",
+            .neighbours = "cells",
+            .integrator = rk_integrator_registry.pieces[k / 3]->name,
+            .skin = 0.1,
+            .ledger = k % 2 == 1,
+            .threads = k % 2,
+            .periodic = k % 2 == 0};
+        struct rk_scene *scenes[2];
+        for (int s = 0; s < 2; s++) {
+            scenes[s] = shaken_box(&recipe, GRAINS);
+            drop_grains(scenes[s], &recipe, GRAINS);
+        }
+        static const size_t threads[] = {1, 2, 3, 3, 1, 2, 1};
+        for (size_t i = 0; i < sizeof threads / sizeof *threads; i++) {
+            struct rk_error err = RK_NO_ERROR;
+            assert_int_equal(rk_scene_set_threads(scenes[1], threads[i], &err), RK_OK);
+            kit_assert_same(scenes[0], scenes[1]);
+            kit_step(scenes[0], 197);
+            kit_step(scenes[1], 197);
+        }
+        assert_true(rk_scene_profile(scenes[1]).contacts > 500);
+        assert_int_equal(rk_scene_set_threads(scenes[1], 100000, NULL), RK_EINVALID);
+        kit_step(scenes[0], 200);
+        kit_step(scenes[1], 200);
+        kit_assert_same(scenes[0], scenes[1]);
+        rk_scene_free(scenes[0]);
+        rk_scene_free(scenes[1]);
+    }
+}
+
 static void threads_give_the_same_bytes(void **state) {
     (void)state;
     for (int k = 0; k < 24; k++) {
@@ -590,6 +628,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(methods_skins_and_kernels_give_the_same_bytes),
         cmocka_unit_test(threads_give_the_same_bytes),
+        cmocka_unit_test(threads_may_change_between_steps),
         cmocka_unit_test(a_packed_scene_goes_on_with_the_same_bytes),
         cmocka_unit_test(held_and_released_grains_are_remembered),
         cmocka_unit_test(an_unpacked_scene_can_be_looked_at),

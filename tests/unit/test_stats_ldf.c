@@ -377,7 +377,7 @@ static void what_cannot_be_told_is_refused(void **state) {
     gsl_rng_free(rng);
     struct rk_ldf_options options = standard();
     struct rk_series series = series_of(x, 4, 2, 1);
-    refuse(&series, &options, RK_EREFUSED, "8 samples");
+    refuse(&series, &options, RK_EREFUSED, "8 values");
     series = series_of(x, 1, 9, 1);
     refuse(&series, &options, RK_EREFUSED, "5 blocks");
     series = series_of(x, 1, 1, 1);

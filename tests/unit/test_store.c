@@ -5,8 +5,10 @@
 #include "ensemble/store/files.h"
 #include "fake_shaker.h"
 #include "scratch.h"
+#include "shaker_study.h"
 
 #include <hdf5.h>
+#include <math.h>
 #include <setjmp.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -21,117 +23,9 @@
 
 #include <cmocka.h>
 
-/* ---- A study made by hand ---- */
-
-enum { POINTS = 2 };
-
 static const char *const kept_name = "out/runs/first-0001.h5";
 
-struct fixture {
-    char *folder;
-    struct fake_shaker_params params[POINTS];
-    struct rk_point points[POINTS];
-    struct rk_study study;
-    struct rk_plan *plan;
-    /* what the hooks are to do and have seen */
-    int polls_left; /* stop after so many; -1: never */
-    double pace;    /* seconds between checkpoints */
-    int messages;
-    char last[800];
-};
-
-static void plan_again(struct fixture *f) {
-    rk_plan_free(f->plan);
-    f->study.points = f->points;
-    f->study.point_count = POINTS;
-    assert_int_equal(rk_plan_create(&f->study, &f->plan, NULL), RK_OK);
-}
-
-static int make(void **state) {
-    struct fixture *f = calloc(1, sizeof *f);
-    f->folder = scratch_make();
-    f->study = (struct rk_study){.name = "test", .scene = &fake_shaker, .seed = 5, .replicas = 3};
-    for (size_t i = 0; i < POINTS; i++) {
-        rk_param_defaults(fake_shaker.params, &f->params[i]);
-        f->params[i].grains = 20 + 10 * i;
-        f->params[i].rotates = i == 1;
-        f->points[i] = (struct rk_point){.params = &f->params[i], .key = 77 + i};
-    }
-    strcpy(f->points[0].name, "first");
-    strcpy(f->points[1].name, "second");
-    f->polls_left = -1;
-    f->pace = 1e9;
-    plan_again(f);
-    *state = f;
-    return 0;
-}
-
-static int clear(void **state) {
-    struct fixture *f = *state;
-    scratch_remove(f->folder);
-    rk_plan_free(f->plan);
-    free(f);
-    return 0;
-}
-
-static bool stop(void *context) {
-    struct fixture *f = context;
-    return f->polls_left >= 0 && f->polls_left-- == 0;
-}
-
-static void message(void *context, const char *line) {
-    struct fixture *f = context;
-    f->messages++;
-    snprintf(f->last, sizeof f->last, "%s", line);
-}
-
-static enum rk_status run(struct fixture *f, const char *name, int threads,
-                          struct rk_run_report *report, struct rk_error *err) {
-    struct rk_store *store;
-    struct rk_runner_options options = {.threads = threads,
-                                        .checkpoint_every = f->pace,
-                                        .stop = stop,
-                                        .message = message,
-                                        .context = f};
-    enum rk_status status = rk_store_open(scratch_path(f->folder, name), f->plan, &store, err);
-    if (status == RK_OK) {
-        status = rk_runner_run(f->plan, store, &options, report, err);
-        rk_store_close(store);
-    }
-    return status;
-}
-
-static void expect_run(struct fixture *f, const char *name, int threads) {
-    struct rk_run_report report;
-    struct rk_error err = RK_NO_ERROR;
-    enum rk_status status = run(f, name, threads, &report, &err);
-    assert_string_equal(err.message, "");
-    assert_int_equal(status, RK_OK);
-    assert_int_equal(report.done + report.failed, f->plan->count);
-}
-
-static void expect_same(struct fixture *f, const char *first, const char *second) {
-    char a[200], b[200];
-    for (size_t i = 0; i < f->plan->count; i++) {
-        snprintf(a, sizeof a, "%s/runs/%s.h5", first, f->plan->runs[i].id);
-        snprintf(b, sizeof b, "%s/runs/%s.h5", second, f->plan->runs[i].id);
-        assert_true(scratch_same(scratch_path(f->folder, a), scratch_path(f->folder, b)));
-    }
-    snprintf(a, sizeof a, "%s/study.h5", first);
-    snprintf(b, sizeof b, "%s/study.h5", second);
-    assert_true(scratch_same(scratch_path(f->folder, a), scratch_path(f->folder, b)));
-}
-
 /* ---- Whose folder ---- */
-
-static void refuse(struct fixture *f, const char *name, enum rk_status expected,
-                   const char *words) {
-    struct rk_store *store = NULL;
-    struct rk_error err = RK_NO_ERROR;
-    assert_int_equal(rk_store_open(scratch_path(f->folder, name), f->plan, &store, &err), expected);
-    assert_non_null(strstr(err.message, words));
-    assert_null(strchr(err.message, '\n'));
-}
 
 static void a_strange_folder_is_refused_and_not_touched(void **state) {
     struct fixture *f = *state;
@@ -391,8 +285,12 @@ static void long_runs_cross_chunks(void **state) {
     struct fixture *f = *state;
     enum { PERIODS = 900, GRAINS = 256, FRAME = 200 };
     f->study.replicas = 1;
-    f->params[1] = (struct fake_shaker_params){
-        .grains = GRAINS, .periods = PERIODS, .samples = 5, .frames = 1, .rotates = true};
+    f->params[1] = (struct fake_shaker_params){.grains = GRAINS,
+                                               .periods = PERIODS,
+                                               .samples = 5,
+                                               .frames = 1,
+                                               .step = 1,
+                                               .rotates = true};
     f->params[0].periods = 1;
     plan_again(f);
     expect_run(f, "out", 1);
@@ -429,6 +327,35 @@ static void long_runs_cross_chunks(void **state) {
     free(data.values);
     free(place);
     free(angle);
+}
+
+/* So many replicas that the index puts its columns together from parts; one of them is missing. */
+static void an_index_of_many_replicas_has_them_all(void **state) {
+    struct fixture *f = *state;
+    enum { MANY = 600, GONE = 300, SAMPLES = 6 };
+    f->points[0].replicas = MANY;
+    f->points[1].replicas = 1;
+    f->params[0].periods = f->params[1].periods = 1;
+    plan_again(f);
+    expect_run(f, "out", 2);
+    remove(scratch_path(f->folder, "out/runs/first-0300.h5"));
+    double(*rows)[SAMPLES] = malloc(MANY * sizeof *rows);
+    hid_t file = H5Fopen(scratch_path(f->folder, "out/study.h5"), H5F_ACC_RDONLY, 0);
+    hid_t set = H5Dopen2(file, "observables/first/intruder/height", 0);
+    assert_true(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, 0, rows) >= 0);
+    H5Dclose(set);
+    H5Fclose(file);
+    for (size_t r = 0; r < MANY; r++) {
+        struct rk_observable data = {0};
+        enum rk_status status = rk_store_read(scratch_path(f->folder, "out"), f->plan,
+                                              &f->plan->runs[r], "intruder.height", &data, NULL);
+        assert_int_equal(status, r == GONE ? RK_EIO : RK_OK);
+        for (size_t i = 0; i < SAMPLES; i++) {
+            assert_true(r == GONE ? isnan(rows[r][i]) : rows[r][i] == data.values[i]);
+        }
+        free(data.values);
+    }
+    free(rows);
 }
 
 static size_t steps_recorded(const char *path) {
@@ -584,29 +511,22 @@ static void failures_are_results(void **state) {
     assert_int_equal(run(f, "out", 2, &report, NULL), RK_OK);
     assert_int_equal(report.failed, 6);
     struct rk_observable data;
-    char reason[512];
     const char *folder = scratch_path(f->folder, "out");
-    assert_int_equal(rk_store_run_reason(folder, f->plan, &f->plan->runs[0], reason),
-                     RK_RUN_FAILED);
-    assert_string_equal(reason, "grain 3 overlaps at step 500");
+    struct rk_run_facts facts = rk_store_run_facts(folder, f->plan, &f->plan->runs[0]);
+    assert_int_equal(facts.state, RK_RUN_FAILED);
+    assert_string_equal(facts.reason, "grain 3 overlaps at step 500");
     assert_int_equal(
         rk_store_read(folder, f->plan, &f->plan->runs[0], "intruder.height", &data, NULL), RK_OK);
     assert_int_equal(data.samples, 500 / 40 + 1);
     free(data.values);
-    assert_int_equal(rk_store_run_reason(folder, f->plan, &f->plan->runs[3], reason),
-                     RK_RUN_FAILED);
-    assert_string_equal(reason, "the bed would not come to rest");
+    facts = rk_store_run_facts(folder, f->plan, &f->plan->runs[3]);
+    assert_int_equal(facts.state, RK_RUN_FAILED);
+    assert_string_equal(facts.reason, "the bed would not come to rest");
     assert_int_equal(
         rk_store_read(folder, f->plan, &f->plan->runs[3], "intruder.height", &data, NULL),
         RK_EREFUSED);
     expect_run(f, "out", 1); /* failed is an answer: nothing is tried again */
-    for (int stops = 0;; stops++) {
-        f->polls_left = 11;
-        if (run(f, "stopped", 1, &report, NULL) == RK_OK) {
-            break;
-        }
-        assert_true(stops < 1000);
-    }
+    run_with_stops(f, "stopped", 11);
     expect_same(f, "out", "stopped");
 }
 
@@ -655,6 +575,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(a_damaged_file_is_told_and_done_again, make, clear),
         cmocka_unit_test_setup_teardown(observables_are_read_back, make, clear),
         cmocka_unit_test_setup_teardown(long_runs_cross_chunks, make, clear),
+        cmocka_unit_test_setup_teardown(an_index_of_many_replicas_has_them_all, make, clear),
         cmocka_unit_test_setup_teardown(as_many_records_as_foreseen, make, clear),
         cmocka_unit_test_setup_teardown(frames_as_large_as_a_chunk_are_written, make, clear),
         cmocka_unit_test_setup_teardown(failures_are_results, make, clear),

@@ -2,6 +2,7 @@
 #include "ensemble/study.h"
 #include "ensemble/study/yaml.h"
 #include "fake_case.h"
+#include "scratch.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -9,8 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -31,15 +30,12 @@ static const char good[] = "study: quickstart\n"
                            "  - ldf: {window: 7}\n"
                            "  - ldf\n";
 
-static char folder[] = "/tmp/rk-test-study-XXXXXX";
-static char path[128];
+static char *folder;
+static char path[256]; /* of the study file in it */
 
 static enum rk_status load(const char *text, size_t size, struct rk_study **study,
                            struct rk_error *err) {
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(text, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
+    scratch_write(path, text, size);
     return rk_study_load(path, study, err);
 }
 
@@ -341,16 +337,15 @@ static void mutated_studies_end_in_a_sentence(void **state) {
 
 static int make_folder(void **state) {
     (void)state;
-    if (!mkdtemp(folder)) {
-        return -1;
-    }
-    snprintf(path, sizeof path, "%s/study.yaml", folder);
+    folder = scratch_make();
+    snprintf(path, sizeof path, "%s", scratch_path(folder, "study.yaml"));
     return 0;
 }
 
 static int remove_folder(void **state) {
     (void)state;
-    return unlink(path) != 0 || rmdir(folder) != 0;
+    scratch_remove(folder);
+    return 0;
 }
 
 int main(void) {
