@@ -91,8 +91,8 @@ size_t rk_peak_replicas(const struct rk_peak_data *w, size_t j) {
 static enum rk_status check(const struct rk_resonance_data *data, double *largest,
                             struct rk_error *err) {
     if (data->periods < LEAST_PERIODS) {
-        return rk_fail(err, RK_EREFUSED, "%zu periods; a resonance needs at least %d",
-                       data->periods, (int)LEAST_PERIODS);
+        return rk_fail(err, RK_EREFUSED, "%zu period%s; a resonance needs at least %d",
+                       data->periods, data->periods == 1 ? "" : "s", (int)LEAST_PERIODS);
     }
     *largest = 0;
     for (size_t k = 0; k < data->periods; k++) {

@@ -138,7 +138,7 @@ static int resonance(const void *options, size_t count, char *const *operands) {
     bool there = stat(operands[0], &about) == 0, folder = there && S_ISDIR(about.st_mode);
     (void)count;
     if (!there && errno == ENOENT) {
-        rk_fail(&err, RK_EINVALID, "%.200s: there is no such file", operands[0]);
+        rk_fail(&err, RK_EINVALID, "%.200s: there is no such file or folder", operands[0]);
         return rk_complain(&err);
     }
     if (check_options(o, folder, &err) != RK_OK ||
