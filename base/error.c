@@ -12,6 +12,7 @@ const char *rk_status_name(enum rk_status status) {
         [RK_EUNSTABLE] = "unstable",
         [RK_EREFUSED] = "refused",
         [RK_ECONFLICT] = "conflict",
+        [RK_EVERSION] = "version",
         [RK_EINTERRUPTED] = "interrupted",
     };
     return (unsigned)status < RK_STATUS_COUNT ? names[status] : "unknown";

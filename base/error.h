@@ -25,6 +25,7 @@ enum rk_status {
     RK_EUNSTABLE,    /* a simulation has become nonsense */
     RK_EREFUSED,     /* the data cannot support the number that was asked for */
     RK_ECONFLICT,    /* the place is taken: another study, or another program at work in it */
+    RK_EVERSION,     /* a file of another version of the program */
     RK_EINTERRUPTED, /* stopped on request, in good order */
     RK_STATUS_COUNT
 };

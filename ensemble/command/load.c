@@ -69,14 +69,18 @@ int rk_command_load_folder(const char *folder, struct rk_study **study) {
 }
 
 enum rk_status rk_command_strange_folder(const struct rk_error *why, struct rk_error *err) {
+    /* What to choose with -o is advice for `reckon run`. */
+    const char *advice = strstr(why->message, ", or choose another folder");
+    advice = advice ? advice : strstr(why->message, "; choose another folder");
+    int length = advice ? (int)(advice - why->message) : (int)strlen(why->message);
+    if (why->status == RK_EVERSION) {
+        return rk_fail(err, RK_EVERSION, "%.*s", length, why->message);
+    }
     if (why->status != RK_ECONFLICT) {
         return rk_fail(err, RK_ECONFLICT,
                        "plan.h5 is missing or damaged; 'reckon run' with the study and this folder "
                        "writes it again");
     }
-    /* What to choose with -o is advice for `reckon run`. */
-    const char *advice = strstr(why->message, "; choose another folder");
-    int length = advice ? (int)(advice - why->message) : (int)strlen(why->message);
     return rk_fail(err, RK_ECONFLICT,
                    "the runs in this folder are not those of its study.yaml, which was changed "
                    "afterwards: %.*s",

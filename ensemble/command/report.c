@@ -28,6 +28,7 @@ int rk_complain(const struct rk_error *err) {
     case RK_EINVALID:
     case RK_EFORMAT:
     case RK_ECONFLICT:
+    case RK_EVERSION:
         return RK_EXIT_USAGE;
     case RK_EINTERRUPTED:
         return RK_EXIT_INTERRUPTED;

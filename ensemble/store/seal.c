@@ -28,7 +28,16 @@ struct block {
 };
 _Static_assert(sizeof(struct block) == RK_SEAL_SIZE, "the seal fills its block");
 
-static const uint64_t magic = 0x31656c6573736b52; /* "Rkssele1" */
+/* "Rkssele" and the number of the layout. A change of the block above, or of what a file with this
+ * seal holds, asks for the next number; where the magic number and the sum stand never changes. */
+static const uint64_t magic = 0x32656c6573736b52; /* "Rkssele2" */
+
+/* Sealed by a version with another layout? A bit that was flipped in the number spoils the sum. */
+static bool of_another_version(const struct block *block) {
+    const uint64_t name = UINT64_MAX >> 8;
+    return block->magic != magic && (block->magic & name) == (magic & name) &&
+           block->self == XXH64(block, offsetof(struct block, self), 0);
+}
 
 bool rk_seal_fits(const struct rk_seal *seal, const struct rk_study *study) {
     return seal->retries == 0 || (seal->retries <= study->retry.times &&
@@ -115,6 +124,12 @@ static enum rk_status read_block(int file, const char *path, struct block *block
     }
     if (count != (ssize_t)sizeof *block) {
         return damaged(err, path, "it ends within its first kilobyte");
+    }
+    if (of_another_version(block)) {
+        return rk_fail(err, RK_EVERSION,
+                       "'%s' was written by another version of reckon, whose files are laid out "
+                       "differently; read it with that version, or choose another folder with -o",
+                       path);
     }
     if (block->magic != magic) {
         return rk_fail(err, RK_EFORMAT, "'%s' is not a file that reckon wrote", path);

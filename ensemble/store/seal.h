@@ -35,7 +35,8 @@ bool rk_seal_is_last(const struct rk_seal *seal, const struct rk_study *study);
 enum rk_status rk_seal_write(const char *path, const struct rk_seal *seal, struct rk_error *err);
 
 /* Read the seal and compare the file's length with it. RK_EIO: no such file, or unreadable;
- * RK_EFORMAT: not such a file, truncated, its seal damaged. */
+ * RK_EFORMAT: not such a file, truncated, its seal damaged; RK_EVERSION: sealed by a version whose
+ * files are laid out differently. */
 enum rk_status rk_seal_read(const char *path, struct rk_seal *seal, struct rk_error *err);
 
 /* The same, and every byte of the file is checked. */

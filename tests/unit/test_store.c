@@ -3,6 +3,7 @@
 #include "ensemble/runner.h"
 #include "ensemble/store/columns.h"
 #include "ensemble/store/files.h"
+#include "ensemble/store/seal.h"
 #include "fake_shaker.h"
 #include "scratch.h"
 #include "shaker_study.h"
@@ -20,6 +21,8 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include <xxhash.h>
 
 #include <cmocka.h>
 
@@ -50,6 +53,36 @@ static void another_studys_folder_is_refused(void **state) {
     refuse(f, "out", RK_ECONFLICT, "was made with seed = 5, the study has 6");
     scratch_write(scratch_path(f->folder, "out/plan.h5"), "no plan", 7);
     refuse(f, "out", RK_EFORMAT, "damaged");
+}
+
+/* A file whose layout has another number, and is whole, is nothing to set aside or to write over.
+ */
+static void another_versions_folder_is_left_alone(void **state) {
+    struct fixture *f = *state;
+    enum { SUM_AT = RK_SEAL_SIZE - sizeof(XXH64_hash_t) };
+    expect_run(f, "out", 1);
+    const char *const names[] = {"out/plan.h5", "out/runs/first-0000.h5"};
+    for (size_t i = 0; i < 2; i++) {
+        size_t size;
+        const char *path = scratch_path(f->folder, names[i]);
+        char *bytes = scratch_read(path, &size), now = bytes[7];
+        bytes[7] = '9';
+        scratch_write(path, bytes, size);
+        struct rk_seal seal;
+        assert_int_equal(rk_seal_read(path, &seal, NULL), RK_EFORMAT); /* the sum is not of it */
+        XXH64_hash_t sum = XXH64(bytes, SUM_AT, 0);
+        memcpy(bytes + SUM_AT, &sum, sizeof sum);
+        scratch_write(path, bytes, size);
+        assert_int_equal(rk_seal_read(path, &seal, NULL), RK_EVERSION);
+        if (i == 0) {
+            refuse(f, "out", RK_EVERSION, "another version");
+            bytes[7] = now;
+            sum = XXH64(bytes, SUM_AT, 0);
+            memcpy(bytes + SUM_AT, &sum, sizeof sum);
+            scratch_write(path, bytes, size);
+        }
+        free(bytes);
+    }
 }
 
 /* A folder may grow and stays what it is: a parameter that changed is named. */
@@ -573,6 +606,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(more_replicas_go_on, make, clear),
         cmocka_unit_test_setup_teardown(a_damaged_checkpoint_falls_back, make, clear),
         cmocka_unit_test_setup_teardown(a_damaged_file_is_told_and_done_again, make, clear),
+        cmocka_unit_test_setup_teardown(another_versions_folder_is_left_alone, make, clear),
         cmocka_unit_test_setup_teardown(observables_are_read_back, make, clear),
         cmocka_unit_test_setup_teardown(long_runs_cross_chunks, make, clear),
         cmocka_unit_test_setup_teardown(an_index_of_many_replicas_has_them_all, make, clear),
