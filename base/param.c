@@ -136,7 +136,7 @@ static enum rk_status out_of_range(struct rk_param_ref ref, const char *path, co
                                    struct rk_error *err) {
     char range[256];
     rk_param_range(ref.row, range, sizeof range);
-    const char *unit = ref.row->unit[0] != '\0' ? ref.row->unit : "no unit";
+    bool unit = ref.row->unit[0] != '\0';
     if (ref.row->type == RK_PARAM_PIECE) {
         const char *nearest = rk_registry_nearest(ref.row->choices, text);
         return rk_fail_about(err, RK_EINVALID, path, "%s: no %s is called '%.64s'%s%s%s; %s", path,
@@ -147,8 +147,8 @@ static enum rk_status out_of_range(struct rk_param_ref ref, const char *path, co
         return rk_fail_about(err, RK_EINVALID, path, "%s: '%.64s' is neither yes nor no", path,
                              text);
     }
-    return rk_fail_about(err, RK_EINVALID, path, "%s: '%.64s' will not do, it must be %s (%s)",
-                         path, text, range, unit);
+    return rk_fail_about(err, RK_EINVALID, path, "%s: '%.64s' will not do, it must be %s%s%s%s",
+                         path, text, range, unit ? " (" : "", ref.row->unit, unit ? ")" : "");
 }
 
 static bool in_range(const struct rk_param *row, double x) {
@@ -188,6 +188,17 @@ static const char *path_name(const void *list, size_t i) {
     return ((const char(*)[RK_PARAM_PATH])list)[i];
 }
 
+/* The first parameter of the group that is called `name`, NULL if there is no such group. */
+static const char *first_of_group(const char *name, size_t count, char (*paths)[RK_PARAM_PATH]) {
+    size_t length = strlen(name);
+    for (size_t i = 0; paths && i < count; i++) {
+        if (strncmp(paths[i], name, length) == 0 && paths[i][length] == '.') {
+            return paths[i];
+        }
+    }
+    return NULL;
+}
+
 static enum rk_status unknown(const struct rk_param_table *table, const char *path,
                               struct rk_error *err) {
     size_t total = rk_param_total(table);
@@ -199,8 +210,14 @@ static enum rk_status unknown(const struct rk_param_table *table, const char *pa
     if (paths) {
         nearest = rk_nearest_name(path, total, path_name, paths);
     }
-    rk_fail_about(err, RK_EINVALID, path, "there is no parameter '%.96s'%s", path,
-                  rk_hint_of(nearest, "").text);
+    const char *member = first_of_group(path, total, paths);
+    if (member) {
+        rk_fail_about(err, RK_EINVALID, path,
+                      "'%.96s' is a group of parameters; say which of them, like %s", path, member);
+    } else {
+        rk_fail_about(err, RK_EINVALID, path, "there is no parameter '%.96s'%s", path,
+                      rk_hint_of(nearest, "").text);
+    }
     free(paths);
     return RK_EINVALID;
 }

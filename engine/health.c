@@ -103,7 +103,7 @@ static enum rk_status check_overlaps(const struct rk_scene *scene, struct rk_err
         double share = (a + b - sqrt(t->d2[c])) / (a < b ? a : b);
         if (share > limit) {
             return nonsense(scene, t->first[c], err,
-                            "overlaps another grain by a share of the smaller radius of", share,
+                            "overlaps another grain, as a share of the smaller radius", share,
                             limit);
         }
     }
@@ -111,7 +111,7 @@ static enum rk_status check_overlaps(const struct rk_scene *scene, struct rk_err
     for (size_t c = 0; c < wt->count; c++) {
         double share = wt->overlap[c] / g->radius[wt->grain[c]];
         if (share > limit) {
-            return nonsense(scene, wt->grain[c], err, "overlaps a wall by a share of its radius of",
+            return nonsense(scene, wt->grain[c], err, "overlaps a wall, as a share of its radius",
                             share, limit);
         }
     }

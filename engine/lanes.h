@@ -210,24 +210,18 @@ LANES_INLINE void lanes_load_rows(const double *at, lanes *a, lanes *b, lanes *c
 /* Consecutive rows at[4 l] .. at[4 l + 3] = a[l], b[l], c[l], d[l]. */
 LANES_INLINE void lanes_store_rows(double *at, lanes a, lanes b, lanes c, lanes d) {
 #if defined(RK_LANES_512)
+    const __m512i near = _mm512_setr_epi64(0, 8, 1, 9, 2, 10, 3, 11);
+    const __m512i far = _mm512_setr_epi64(4, 12, 5, 13, 6, 14, 7, 15);
     const __m512i low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11);
     const __m512i high = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
-    __m512d ab0 = _mm512_unpacklo_pd((__m512d)a, (__m512d)b); /* a0 b0 a2 b2 a4 b4 a6 b6 */
-    __m512d ab1 = _mm512_unpackhi_pd((__m512d)a, (__m512d)b); /* a1 b1 ... */
-    __m512d cd0 = _mm512_unpacklo_pd((__m512d)c, (__m512d)d);
-    __m512d cd1 = _mm512_unpackhi_pd((__m512d)c, (__m512d)d);
-    __m512d even0 = _mm512_permutex2var_pd(ab0, low, cd0); /* rows 0 and 2 */
-    __m512d odd0 = _mm512_permutex2var_pd(ab1, low, cd1);  /* rows 1 and 3 */
-    __m512d even1 = _mm512_permutex2var_pd(ab0, high, cd0);
-    __m512d odd1 = _mm512_permutex2var_pd(ab1, high, cd1);
-    _mm256_store_pd(at, _mm512_castpd512_pd256(even0));
-    _mm256_store_pd(at + 4, _mm512_castpd512_pd256(odd0));
-    _mm256_store_pd(at + 8, _mm512_extractf64x4_pd(even0, 1));
-    _mm256_store_pd(at + 12, _mm512_extractf64x4_pd(odd0, 1));
-    _mm256_store_pd(at + 16, _mm512_castpd512_pd256(even1));
-    _mm256_store_pd(at + 20, _mm512_castpd512_pd256(odd1));
-    _mm256_store_pd(at + 24, _mm512_extractf64x4_pd(even1, 1));
-    _mm256_store_pd(at + 28, _mm512_extractf64x4_pd(odd1, 1));
+    __m512d ab0 = _mm512_permutex2var_pd((__m512d)a, near, (__m512d)b); /* a0 b0 ... a3 b3 */
+    __m512d ab4 = _mm512_permutex2var_pd((__m512d)a, far, (__m512d)b);  /* a4 b4 ... a7 b7 */
+    __m512d cd0 = _mm512_permutex2var_pd((__m512d)c, near, (__m512d)d);
+    __m512d cd4 = _mm512_permutex2var_pd((__m512d)c, far, (__m512d)d);
+    lanes_store(at, (lanes)_mm512_permutex2var_pd(ab0, low, cd0)); /* rows 0 and 1 */
+    lanes_store(at + 8, (lanes)_mm512_permutex2var_pd(ab0, high, cd0));
+    lanes_store(at + 16, (lanes)_mm512_permutex2var_pd(ab4, low, cd4));
+    lanes_store(at + 24, (lanes)_mm512_permutex2var_pd(ab4, high, cd4));
 #elif defined(RK_LANES_256)
     __m256d ab0 = _mm256_unpacklo_pd((__m256d)a, (__m256d)b); /* a0 b0 a2 b2 */
     __m256d ab1 = _mm256_unpackhi_pd((__m256d)a, (__m256d)b);

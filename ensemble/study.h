@@ -138,6 +138,7 @@ struct rk_plan_point {
                                       other points */
     char preparation[RK_IDENTITY]; /* hex digest of what decides the beds that its runs begin from:
                                       case, seed and the parameters that prepare */
+    size_t bedding;                /* the same number where the preparation is the same */
     uint64_t steps;                /* of a run */
     size_t first, count;           /* its runs: one a replica */
     uint64_t shared; /* so many of them, the first, begin from beds of points with as long runs */
@@ -160,6 +161,10 @@ enum rk_status rk_plan_create(const struct rk_study *study, struct rk_plan **pla
 enum rk_status rk_plan_outline(const struct rk_study *study, struct rk_plan **plan,
                                struct rk_error *err);
 void rk_plan_free(struct rk_plan *plan);
+
+/* A number for the bed that a run begins from: runs of a plan that share a bed have the same, those
+ * of a point ascend with the replica. */
+uint64_t rk_plan_bed(const struct rk_plan *plan, const struct rk_run *run);
 
 /* The bed that a run begins from, called "<preparation>-<replica, at least 4 digits>", and its
  * random stream: both depend on case, seed, the parameters that prepare and the replica alone, so

@@ -19,6 +19,8 @@ struct rk_series {
     size_t stride;         /* doubles from one replica to the next, at least `samples` */
     const size_t *lengths; /* [replicas], each at most `samples`; NULL: all have `samples` */
     double interval;       /* time from one sample to the next, above 0 */
+    const uint64_t *beds;  /* [replicas] ascending: replicas of several series that have the same
+                              number here begin from one bed; NULL: they are independent */
 };
 
 /* What a sample is. Times `from` and `to` below are counted in intervals; to = 0 is the end. */
@@ -61,7 +63,8 @@ struct rk_windows {
     size_t *first;        /* [replicas + 1] */
     size_t count;
     size_t replicas;
-    double tau; /* window * interval */
+    double tau;           /* window * interval */
+    const uint64_t *beds; /* the series' */
 };
 
 /* Cut each replica's time from `from` to `to` (or to its own end, if earlier) into windows of

@@ -16,7 +16,9 @@
 
 #include <stdint.h>
 
-#if defined __x86_64__ && defined __GNUC__ && !defined __clang__
+/* Not under sanitizers: the choice would run before they are there to be called. */
+#if defined __x86_64__ && defined __GNUC__ && !defined __clang__ &&                                \
+    !defined __SANITIZE_THREAD__ && !defined __SANITIZE_ADDRESS__
 #define WIDE __attribute__((target_clones("avx2", "default")))
 #else
 #define WIDE

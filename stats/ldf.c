@@ -122,6 +122,26 @@ static bool all_equal(const double *x, size_t count) {
     return true;
 }
 
+/* The bed of the replica that each unit is, or is a block of. */
+static enum rk_status take_beds(struct rk_ldf_work *work, const struct rk_windows *windows,
+                                struct rk_error *err) {
+    const struct rk_units *units = &work->units;
+    if (!windows->beds) {
+        return RK_OK;
+    }
+    work->beds = rk_array_create(units->count, sizeof *work->beds);
+    if (!work->beds) {
+        return rk_fail(err, RK_EMEMORY, "no memory for %zu units", units->count);
+    }
+    for (size_t u = 0, r = 0; u < units->count; u++) {
+        while (windows->first[r + 1] <= units->first[u]) {
+            r++;
+        }
+        work->beds[u] = windows->beds[r];
+    }
+    return RK_OK;
+}
+
 /* Units, unless they are given. Equal windows are refused for what they are, further on. */
 static enum rk_status take_units(struct rk_ldf *ldf, const struct rk_windows *windows,
                                  struct rk_units *units, struct rk_error *err) {
@@ -138,7 +158,7 @@ static enum rk_status take_units(struct rk_ldf *ldf, const struct rk_windows *wi
     ldf->left_out = windows->replicas - mine->replicas;
     ldf->units = mine->count;
     ldf->blocks = mine->blocks;
-    return status;
+    return status == RK_OK ? take_beds(ldf->work, windows, err) : status;
 }
 
 enum rk_status rk_ldf_estimate_units(struct rk_ldf **out, struct rk_windows *windows,
@@ -228,6 +248,7 @@ static void free_work(struct rk_ldf_work *work) {
     if (work) {
         free(work->own);
         rk_units_clear(&work->units);
+        free(work->beds);
         free(work->theta);
         free(work->point);
         free(work->sums);

@@ -4,11 +4,13 @@
 #include "stats/ldf_internal.h"
 #include "stats/moments.h"
 #include "stats/numeric.h"
+#include "stats/pairs.h"
 
 #include <gsl/gsl_cdf.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* An ensemble being resampled. */
 struct side {
@@ -31,16 +33,28 @@ static void clear_side(struct side *side) {
     free(side->times);
 }
 
-/* The estimate's own curve, or (with a stream) that of a resample. */
-static void turn(struct side *side, struct rk_stream *stream) {
-    if (stream) {
-        rk_resample_draw(side->times, side->ldf->units, stream);
-    } else {
-        for (size_t u = 0; u < side->ldf->units; u++) {
-            side->times[u] = 1;
+/* The estimates' own curves. */
+static void turn_back(struct side sides[2]) {
+    for (int s = 0; s < 2; s++) {
+        for (size_t u = 0; u < sides[s].ldf->units; u++) {
+            sides[s].times[u] = 1;
         }
+        rk_curve_of(&sides[s].curve, sides[s].ldf->work, sides[s].times);
     }
-    rk_curve_of(&side->curve, side->ldf->work, side->times);
+}
+
+/* The curves of a resample: of pairs where there are any. */
+static void turn(struct side sides[2], const struct rk_pairs *pairs, struct rk_stream *stream) {
+    const size_t units[2] = {sides[0].ldf->units, sides[1].ldf->units};
+    if (pairs->common > 0) {
+        rk_pairs_draw(pairs, (double *const[2]){sides[0].times, sides[1].times}, units, stream);
+    }
+    for (int s = 0; s < 2; s++) {
+        if (pairs->common == 0) {
+            rk_resample_draw(sides[s].times, units[s], stream);
+        }
+        rk_curve_of(&sides[s].curve, sides[s].ldf->work, sides[s].times);
+    }
 }
 
 static double rate_of(const struct side *side, double a) {
@@ -82,8 +96,7 @@ static enum rk_status check(const struct rk_ldf *first, const struct rk_ldf *sec
 }
 
 static void fill_estimates(struct rk_ldf_comparison *c, struct side sides[2]) {
-    turn(&sides[0], NULL);
-    turn(&sides[1], NULL);
+    turn_back(sides);
     for (size_t i = 0; i < c->points; i++) {
         double t = (double)i / (double)(c->points - 1);
         c->a[i] = (1 - t) * c->low + t * c->high;
@@ -138,6 +151,23 @@ static void find_band(struct rk_ldf_comparison *c, double *row, const double *de
     }
 }
 
+/* How the two were resampled, where that is not as two ensembles without a bed in common. */
+static void say_pairs(struct rk_ldf_comparison *c) {
+    size_t used = strlen(c->text);
+    char *end = c->text + used;
+    if (c->blocks_share) {
+        snprintf(end, sizeof c->text - used,
+                 " Replicas of both begin from the same beds, which blocks of them do not show: "
+                 "they are taken as independent.");
+    } else if (c->paired > 0 && c->alone[0] + c->alone[1] > 0) {
+        snprintf(end, sizeof c->text - used,
+                 " Paired by bed: %zu replicas; %zu of the first and %zu of the second are alone.",
+                 c->paired, c->alone[0], c->alone[1]);
+    } else if (c->paired > 0) {
+        snprintf(end, sizeof c->text - used, " Paired by bed: %zu replicas.", c->paired);
+    }
+}
+
 static void say(struct rk_ldf_comparison *c) {
     size_t count = 0, from = c->points, to = 0;
     for (size_t i = 0; i < c->points; i++) {
@@ -162,7 +192,29 @@ static void say(struct rk_ldf_comparison *c) {
              c->high, c->chance, c->minimum.estimate, c->minimum.low, c->minimum.high);
 }
 
-static enum rk_status resample(struct rk_ldf_comparison *c, struct side sides[2], size_t replicates,
+/* Which units begin from one bed. Blocks have no partners: what they have in common with those of
+ * the same replica is unknown. */
+static enum rk_status pair_up(struct rk_ldf_comparison *c, struct rk_pairs *pairs,
+                              const struct rk_ldf *first, const struct rk_ldf *second,
+                              struct rk_error *err) {
+    const uint64_t *const beds[2] = {first->work->beds, second->work->beds};
+    const size_t units[2] = {first->units, second->units};
+    if (!beds[0] || !beds[1]) {
+        return RK_OK;
+    }
+    enum rk_status status = rk_pairs_match(pairs, beds, units, err);
+    if (first->blocks || second->blocks) {
+        c->blocks_share = pairs->common > 0;
+        pairs->common = 0;
+    }
+    c->paired = pairs->common;
+    c->alone[0] = first->units - c->paired;
+    c->alone[1] = second->units - c->paired;
+    return status;
+}
+
+static enum rk_status resample(struct rk_ldf_comparison *c, struct side sides[2],
+                               const struct rk_pairs *pairs, size_t replicates,
                                struct rk_stream stream, struct rk_error *err) {
     size_t units =
         sides[0].ldf->units < sides[1].ldf->units ? sides[0].ldf->units : sides[1].ldf->units;
@@ -175,8 +227,7 @@ static enum rk_status resample(struct rk_ldf_comparison *c, struct side sides[2]
     }
     double *row = table + c->points * replicates, *minima = row + replicates;
     for (size_t b = 0; b < replicates; b++) {
-        turn(&sides[0], &stream);
-        turn(&sides[1], &stream);
+        turn(sides, pairs, &stream);
         for (size_t i = 0; i < c->points; i++) {
             table[i * replicates + b] = rate_of(&sides[0], c->a[i]) - rate_of(&sides[1], c->a[i]);
         }
@@ -228,6 +279,7 @@ enum rk_status rk_ldf_compare(struct rk_ldf_comparison **out, const struct rk_ld
         return rk_fail(err, RK_EMEMORY, "no memory for %zu points", points);
     }
     struct side sides[2] = {{0}, {0}};
+    struct rk_pairs pairs = {0};
     c->low = fmax(first->interval_low, second->interval_low);
     c->high = fmin(first->interval_high, second->interval_high);
     c->level = c->minimum.level = first->level;
@@ -236,9 +288,13 @@ enum rk_status rk_ldf_compare(struct rk_ldf_comparison **out, const struct rk_ld
         status = init_side(&sides[1], second, err);
     }
     if (status == RK_OK) {
-        fill_estimates(c, sides);
-        status = resample(c, sides, replicates, *stream, err);
+        status = pair_up(c, &pairs, first, second, err);
     }
+    if (status == RK_OK) {
+        fill_estimates(c, sides);
+        status = resample(c, sides, &pairs, replicates, *stream, err);
+    }
+    rk_pairs_clear(&pairs);
     clear_side(&sides[0]);
     clear_side(&sides[1]);
     if (status != RK_OK) {
@@ -246,6 +302,7 @@ enum rk_status rk_ldf_compare(struct rk_ldf_comparison **out, const struct rk_ld
         return status;
     }
     say(c);
+    say_pairs(c);
     *out = c;
     return RK_OK;
 }

@@ -15,8 +15,9 @@ struct rk_ldf_work {
     struct rk_tilt tilt;
     double *own; /* the windows, unless they are the samples of a series */
     struct rk_units units;
-    size_t points;                /* odd; point points / 2 has theta = 0 */
-    double *theta;                /* [points] */
+    uint64_t *beds; /* [units] that they begin from; NULL: independent of other ensembles */
+    size_t points;  /* odd; point points / 2 has theta = 0 */
+    double *theta;  /* [points] */
     struct rk_tilt_point *point;  /* [points] */
     struct rk_tilt_sums *sums;    /* [points][units] */
     double limit_low, limit_high; /* theta at k_c */

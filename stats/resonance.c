@@ -91,8 +91,8 @@ size_t rk_peak_replicas(const struct rk_peak_data *w, size_t j) {
 static enum rk_status check(const struct rk_resonance_data *data, double *largest,
                             struct rk_error *err) {
     if (data->periods < LEAST_PERIODS) {
-        return rk_fail(err, RK_EREFUSED, "%zu periods; a resonance needs at least %d",
-                       data->periods, (int)LEAST_PERIODS);
+        return rk_fail(err, RK_EREFUSED, "%zu period%s; a resonance needs at least %d",
+                       data->periods, data->periods == 1 ? "" : "s", (int)LEAST_PERIODS);
     }
     *largest = 0;
     for (size_t k = 0; k < data->periods; k++) {
@@ -270,7 +270,7 @@ static enum rk_status estimate(struct rk_resonance *out, struct rk_peak_data *w,
     if (status != RK_OK) {
         return status;
     }
-    out->flat_p = flat(w);
+    out->flat_p = w->blocks > 0 ? rk_peak_blocks_flat(w) : flat(w);
     if (!(out->flat_p < 1 - options->level)) {
         return rk_fail(err, RK_EREFUSED,
                        "no peak inside the scan: the mean rates do not differ from one constant (F "
@@ -290,6 +290,9 @@ static enum rk_status estimate(struct rk_resonance *out, struct rk_peak_data *w,
         out->replicas = w->data->first[w->data->periods];
         out->chi_square = best.chi_square;
         out->fit_p = fit_chance(w, &best);
+        if (w->blocks > 0) {
+            status = rk_peak_blocks_fit(w, &best, &out->fit_p, err);
+        }
         if (sight == RK_PEAK_NARROW) {
             out->height.estimate = NAN;
         }
@@ -306,7 +309,8 @@ enum rk_status rk_resonance_estimate(struct rk_resonance **out,
                                      const struct rk_resonance_options *options,
                                      const struct rk_stream *stream, struct rk_error *err) {
     *out = NULL;
-    struct rk_peak_data w = {.data = data};
+    struct rk_peak_data w = {0};
+    struct rk_peak_blocks blocks = {0};
     enum rk_status status = rk_check_level(options->level, err);
     if (status == RK_OK) {
         status = rk_check_resamples(options->bootstrap, err);
@@ -314,22 +318,32 @@ enum rk_status rk_resonance_estimate(struct rk_resonance **out,
     if (status == RK_OK) {
         status = check(data, &w.unit, err);
     }
+    if (status == RK_OK) {
+        status = rk_peak_blocks_create(&blocks, data, err);
+    }
     if (status != RK_OK) {
+        rk_peak_blocks_clear(&blocks);
         return status;
     }
     struct rk_resonance *resonance = calloc(1, sizeof *resonance);
+    w.data = &blocks.data;
+    w.blocks = blocks.count;
     w.order = rk_array_create(data->periods, sizeof *w.order);
     w.x = rk_array_create(data->periods, 4 * sizeof *w.x);
     if (resonance && w.order && w.x) {
         w.y = w.x + data->periods;
         w.weight = w.y + data->periods;
         w.error = w.weight + data->periods;
+        resonance->paired = blocks.count;
+        resonance->left_out = blocks.left_out;
+        resonance->unpaired = blocks.shared && blocks.count == 0;
         status = estimate(resonance, &w, options, stream, err);
     } else {
         status = rk_fail(err, RK_EMEMORY, "no memory for a resonance");
     }
     free(w.order);
     free(w.x);
+    rk_peak_blocks_clear(&blocks);
     if (status != RK_OK) {
         rk_resonance_free(resonance);
         resonance = NULL;

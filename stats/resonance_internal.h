@@ -17,6 +17,8 @@ struct rk_peak_data {
     double narrowest;               /* a quarter of the least distance of two periods */
     double degrees;                 /* of all errors together */
     bool own;                       /* each mean has an error of its own, not that of all */
+    size_t blocks; /* replicas of every period: the b-th of each begin from one bed; 0: all are
+                      independent */
 };
 
 struct rk_peak {
@@ -24,6 +26,26 @@ struct rk_peak {
     double inverse[RK_PEAK_PARAMS][RK_PEAK_PARAMS]; /* of J^T W J */
     double chi_square;
 };
+
+/* The data as they are to be taken: of the beds that all periods have, in one order, or (count 0)
+ * as they are. */
+struct rk_peak_blocks {
+    struct rk_resonance_data data;
+    size_t count, left_out; /* blocks; rates that are in none */
+    bool shared;            /* a bed of the first period is another's too */
+    double *rate;           /* [periods][count] */
+    size_t *first;          /* [periods + 1] */
+};
+
+/* RK_EMEMORY; release with rk_peak_blocks_clear, whatever the status. */
+enum rk_status rk_peak_blocks_create(struct rk_peak_blocks *out,
+                                     const struct rk_resonance_data *data, struct rk_error *err);
+void rk_peak_blocks_clear(struct rk_peak_blocks *blocks);
+
+/* Probabilities of the means when the rate is a constant, and when it is that peak. RK_EMEMORY. */
+double rk_peak_blocks_flat(const struct rk_peak_data *data);
+enum rk_status rk_peak_blocks_fit(const struct rk_peak_data *data, const struct rk_peak *peak,
+                                  double *p, struct rk_error *err);
 
 /* The curve at x and its derivatives; the context is a struct rk_peak_data. */
 double rk_peak_at(double x, const double *theta, double *gradient, const void *context);

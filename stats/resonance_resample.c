@@ -86,14 +86,17 @@ static void note(struct draws *draws, size_t d, const struct rk_peak_data *data,
     }
 }
 
-/* y of one resample: means of few replicas scatter too little when resampled, by (n - 1)/n. */
+/* y of one resample, of the same blocks at every period where there are blocks: means of few
+ * replicas scatter too little when resampled, by (n - 1)/n. */
 static void resample_means(const struct rk_peak_data *data, double *y, double *times,
                            struct rk_stream *stream) {
     for (size_t j = 0; j < data->data->periods; j++) {
         size_t n = rk_peak_replicas(data, j);
         const double *rate = data->data->rate + data->data->first[data->order[j]];
         double sum = 0;
-        rk_resample_draw(times, n, stream);
+        if (j == 0 || data->blocks == 0) {
+            rk_resample_draw(times, n, stream);
+        }
         for (size_t i = 0; i < n; i++) {
             sum += times[i] * (rate[i] / data->unit - data->y[j]);
         }
@@ -121,8 +124,12 @@ static enum rk_status draw_all(struct draws *draws, const struct rk_peak_data *d
     return memory ? RK_OK : rk_fail(err, RK_EMEMORY, "no memory for a resampling");
 }
 
-/* Satterthwaite's degrees of freedom of the k-th parameter. */
+/* Degrees of freedom of the k-th parameter: Satterthwaite's, or what the blocks have: a parameter
+ * is to first order a mean over blocks. */
 static double degrees_of(const struct rk_peak_data *data, const struct rk_peak *best, int k) {
+    if (data->blocks > 0) {
+        return (double)(data->blocks - 1);
+    }
     double sum = 0, squares = 0;
     for (size_t j = 0; j < data->data->periods; j++) {
         double gradient[RK_PEAK_PARAMS], influence = 0;

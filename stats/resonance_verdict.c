@@ -47,4 +47,14 @@ void rk_peak_tell(struct rk_resonance *out, const size_t seen[RK_PEAK_SIGHTS]) {
         say(out, "; the width has an upper bound only");
     }
     say(out, ".");
+    if (out->paired > 0) {
+        say(out, " Paired by bed: %zu replicas.", out->paired);
+    }
+    if (out->left_out > 0) {
+        say(out, " Left out: %zu rates from beds that not all periods have.", out->left_out);
+    }
+    if (out->unpaired) {
+        say(out, " Replicas begin from the same beds, but too few of these are common to all "
+                 "periods: they are taken as independent.");
+    }
 }

@@ -161,8 +161,10 @@ enum rk_status rk_windows_create(struct rk_windows **out, const struct rk_series
         return rk_fail(err, RK_EMEMORY, "no memory for the windows of %zu replicas",
                        series->replicas);
     }
-    *windows = (struct rk_windows){
-        .first = first, .replicas = series->replicas, .tau = (double)window * series->interval};
+    *windows = (struct rk_windows){.first = first,
+                                   .replicas = series->replicas,
+                                   .tau = (double)window * series->interval,
+                                   .beds = series->beds};
     for (size_t r = 0; r < series->replicas; r++) {
         first[r + 1] = first[r] + rk_series_span(series, mode, r, from, to) / window;
     }

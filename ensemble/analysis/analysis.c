@@ -62,9 +62,10 @@ enum rk_status rk_point_values_create(struct rk_point_values *values, size_t poi
                                       struct rk_error *err) {
     *values = (struct rk_point_values){.at = rk_array_create(points, sizeof *values->at),
                                        .value = rk_array_create(room, sizeof *values->value),
+                                       .beds = rk_array_create(room, sizeof *values->beds),
                                        .first = rk_array_create(points + 1, sizeof *values->first),
                                        .room = room};
-    return values->at && values->value && values->first
+    return values->at && values->value && values->beds && values->first
                ? RK_OK
                : rk_fail(err, RK_EMEMORY, "no memory for %zu numbers of %zu points", room, points);
 }
@@ -72,6 +73,7 @@ enum rk_status rk_point_values_create(struct rk_point_values *values, size_t poi
 void rk_point_values_clear(struct rk_point_values *values) {
     free(values->at);
     free(values->value);
+    free(values->beds);
     free(values->first);
     *values = (struct rk_point_values){0};
 }

@@ -26,6 +26,7 @@ void rk_notice_say(const struct rk_notice *notice, const char *format, ...) {
 void rk_gathered_clear(struct rk_gathered *g) {
     free(g->values);
     free(g->lengths);
+    free(g->beds);
     *g = (struct rk_gathered){0};
 }
 
@@ -34,8 +35,8 @@ struct rk_point_data rk_gathered_data(const struct rk_plan *plan, size_t point,
     const struct rk_study *study = plan->study;
     const struct rk_point *p = &study->points[point];
     struct rk_schedule schedule = study->scene->schedule(p->params);
-    *series =
-        (struct rk_series){g->values, g->done, g->samples, g->samples, g->lengths, g->interval};
+    *series = (struct rk_series){g->values,  g->done,     g->samples, g->samples,
+                                 g->lengths, g->interval, g->beds};
     return (struct rk_point_data){
         .point = p->name,
         .series = series,
@@ -62,6 +63,7 @@ static void add_run(const char *folder, const struct rk_plan *plan, const struct
         g->missing++;
     } else {
         memcpy(g->values + g->done * g->samples, data.values, data.samples * sizeof(double));
+        g->beds[g->done] = rk_plan_bed(plan, run);
         g->lengths[g->done++] = data.samples;
     }
     free(data.values);
@@ -85,7 +87,8 @@ enum rk_status rk_gather(const char *folder, const struct rk_plan *plan, size_t 
     }
     g->values = rk_array_create(done * g->samples, sizeof *g->values);
     g->lengths = rk_array_create(done, sizeof *g->lengths);
-    if (!g->values || !g->lengths) {
+    g->beds = rk_array_create(done, sizeof *g->beds);
+    if (!g->values || !g->lengths || !g->beds) {
         return rk_fail(err, RK_EMEMORY, "no memory for %zu x %zu samples of point %s", done,
                        g->samples, study->points[point].name);
     }

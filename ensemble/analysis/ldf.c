@@ -132,6 +132,9 @@ static void add_comparison(struct rk_result *result, const struct rk_ldf_compari
     rk_result_scalar(result, "compare_chance", "",
                      "probability of so large a difference from the first point by chance",
                      c ? c->chance : (double)NAN);
+    rk_result_scalar(result, "compare_paired", "",
+                     "replicas of both that are paired by bed; 0: independent",
+                     c ? (double)c->paired : (double)NAN);
     rk_result_scalar(result, "compare_low", units.value, "both have intervals from here",
                      c ? c->low : (double)NAN);
     rk_result_scalar(result, "compare_high", units.value, "to here", c ? c->high : (double)NAN);

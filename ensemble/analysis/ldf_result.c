@@ -164,6 +164,8 @@ void rk_ldf_fill_comparison(struct rk_result *result, const struct rk_ldf_compar
                              "minimum of the first less the second's", &c->minimum, 1);
     rk_result_scalar(result, "chance", "", "probability of so large a difference by chance",
                      c->chance);
+    rk_result_scalar(result, "paired", "",
+                     "replicas of both that are paired by bed; 0: independent", (double)c->paired);
     rk_result_scalar(result, "low", units->value, "both have intervals from here", c->low);
     rk_result_scalar(result, "high", units->value, "to here", c->high);
     ADD(result, columns, c->points);

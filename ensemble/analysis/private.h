@@ -27,6 +27,8 @@ struct rk_point_data {
  * value[first[p] .. first[p + 1]) of the p-th, which stands at at[p]. */
 struct rk_point_values {
     double *at, *value;
+    uint64_t *beds; /* [room] that the replicas began from, when has_beds */
+    bool has_beds;
     size_t *first;
     size_t points, room; /* that are there; of values */
 };

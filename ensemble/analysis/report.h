@@ -39,6 +39,8 @@ struct rk_report {
 struct rk_gathered {
     double *values;
     size_t *lengths;
+    uint64_t *beds; /* that they began from, as rk_plan_bed counts; of a run that was retried with
+                       smaller steps that of its first attempt, whose random grains it has */
     size_t samples, done, failed, missing;
     size_t retried; /* of those done, with smaller steps after failing */
     double interval;

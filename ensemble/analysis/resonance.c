@@ -46,10 +46,12 @@ void rk_resonance_add(struct rk_point_values *rates, const struct rk_point_data 
         size_t last = s->lengths[r] - 1, end = limit > 0 && limit < last ? limit : last;
         if (end > begin) {
             const double *height = s->data + r * s->stride;
+            rates->beds[count] = s->beds ? s->beds[r] : 0;
             rates->value[count++] =
                 (height[end] - height[begin]) / ((double)(end - begin) * s->interval);
         }
     }
+    rates->has_beds = s->beds != NULL;
     rates->at[p] = data->period;
     rates->first[p + 1] = count;
 }
@@ -74,6 +76,9 @@ static void fill(struct rk_result *result, const struct rk_resonance *resonance,
     rk_result_scalar(result, "fit_p", "", "its probability", resonance->fit_p);
     rk_result_scalar(result, "replicas", "", "replicas at all periods",
                      (double)resonance->replicas);
+    rk_result_scalar(result, "paired", "",
+                     "replicas of each period that are paired by bed; 0: independent",
+                     (double)resonance->paired);
     rk_result_scalar(result, "level", "", "probability that an interval is to cover",
                      resonance->position.level);
     rk_result_scalar(result, "curve_height", rate, "height of the fitted curve",
@@ -91,7 +96,8 @@ enum rk_status rk_resonance_result(struct rk_result *result, const struct rk_poi
                                    const struct rk_resonance_options *options,
                                    const struct rk_stream *stream, const char *period,
                                    const char *rate, struct rk_error *err) {
-    const struct rk_resonance_data data = {rates->at, rates->value, rates->first, rates->points};
+    const struct rk_resonance_data data = {rates->at, rates->value, rates->first, rates->points,
+                                           rates->has_beds ? rates->beds : NULL};
     struct rk_resonance *resonance;
     enum rk_status status = rk_resonance_estimate(&resonance, &data, options, stream, err);
     if (status == RK_OK) {

@@ -5,6 +5,7 @@
 #include "base/error.h"
 
 #include <stddef.h>
+#include <stdint.h>
 
 #define RK_SAMPLES_MAX ((size_t)100000000)
 
@@ -12,6 +13,7 @@
 struct rk_samples {
     double *values;
     size_t *lengths; /* [replicas] */
+    uint64_t *beds;  /* [replicas] that they began from (rk_series.beds), or NULL */
     size_t replicas;
     size_t samples; /* of the longest */
 };

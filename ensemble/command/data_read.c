@@ -101,7 +101,7 @@ static enum rk_status read_run(const char *operand, const struct rk_data_options
         return rk_fail(err, RK_EMEMORY, "out of memory");
     }
     *lengths = recorded.samples;
-    data->samples = (struct rk_samples){recorded.values, lengths, 1, recorded.samples};
+    data->samples = (struct rk_samples){recorded.values, lengths, NULL, 1, recorded.samples};
     data->interval = recorded.interval;
     data->scale = recorded.samples_per_period > 0 ? recorded.samples_per_period : 1;
     data->integral = o->integral || strcmp(o->observable, RK_REPORT_OBSERVABLE) == 0;
@@ -207,7 +207,7 @@ static enum rk_status gather(const char *folder, const struct rk_plan *plan, siz
         }
         struct rk_schedule schedule = study->scene->schedule(point->params);
         data->name = point->name;
-        data->samples = (struct rk_samples){g.values, g.lengths, g.done, g.samples};
+        data->samples = (struct rk_samples){g.values, g.lengths, g.beds, g.done, g.samples};
         data->interval = g.interval;
         data->integral = o->integral || strcmp(o->observable, RK_REPORT_OBSERVABLE) == 0;
         data->scale = schedule.samples_per_period;
@@ -215,6 +215,7 @@ static enum rk_status gather(const char *folder, const struct rk_plan *plan, siz
         data->stream = rk_stream_of(study->seed, point->key, 0, RK_FOR_BOOTSTRAP, 0);
         g.values = NULL;
         g.lengths = NULL;
+        g.beds = NULL;
     }
     rk_gathered_clear(&g);
     return status;

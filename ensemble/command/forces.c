@@ -12,7 +12,8 @@ static enum rk_status estimate(const void *values, const struct rk_data *data,
                                struct rk_result *result, struct rk_error *err) {
     const struct forces_options *o = values;
     const struct rk_samples *s = &data->samples;
-    const struct rk_series series = {s->values, s->replicas, s->samples, s->samples, s->lengths, 1};
+    const struct rk_series series = {s->values,  s->replicas, s->samples, s->samples,
+                                     s->lengths, 1,           NULL};
     const struct rk_forces_options options = {o->data.level, o->data.bootstrap};
     struct rk_forces *forces;
     enum rk_status status = rk_forces_estimate(&forces, &series, &options, &data->stream, err);

@@ -33,8 +33,8 @@ static enum rk_status check_other(const struct rk_data *data, const struct rk_da
                       a->lengths[r] * sizeof *a->values) == 0;
     }
     return same ? rk_fail(err, RK_EINVALID,
-                          "--compare: '%.200s' holds the same data as '%.200s': two ensembles that "
-                          "do not know of each other are compared",
+                          "--compare: '%.200s' holds the same data as '%.200s': two different "
+                          "ensembles are compared",
                           other->name, data->name)
                 : RK_OK;
 }

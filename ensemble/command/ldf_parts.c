@@ -33,8 +33,8 @@ static enum rk_series_mode mode_of(const struct rk_data *data) {
 
 static struct rk_series series_of(const struct rk_data *data) {
     const struct rk_samples *s = &data->samples;
-    return (struct rk_series){s->values,  s->replicas, s->samples,
-                              s->samples, s->lengths,  data->interval};
+    return (struct rk_series){s->values,  s->replicas,    s->samples, s->samples,
+                              s->lengths, data->interval, s->beds};
 }
 
 static struct rk_ldf_options scaled(const struct rk_ldf_options *options, uint64_t scale) {

@@ -1,6 +1,7 @@
 #include "ensemble/command/outlook.h"
 
 #include "ensemble/analysis.h"
+#include "ensemble/analysis/report.h"
 #include "ensemble/runner/pace.h"
 #include "ensemble/store/columns.h"
 
@@ -128,10 +129,16 @@ static void look_at_windows(struct rk_outlook *o, const struct rk_request *reque
         least = fmin(least, windows * (double)o->study->replicas);
     }
     if (least < FEW_WINDOWS) {
+        char end[64] = "";
+        if (request->analysis == &rk_analysis_ldf) {
+            snprintf(end, sizeof end, ", the rate function ends near %.2g a window",
+                     log(fmax(least, 1)));
+        }
         warn(o,
-             "%s: %.0f windows of %llu periods in all: rare averages will not be seen, the rate "
-             "function ends near %.2g a window; more replicas or periods, or shorter windows",
-             request->analysis->piece.name, least, (unsigned long long)window, log(fmax(least, 1)));
+             "%s: %.0f windows of %llu period%s in all: rare averages will not be seen%s; more "
+             "replicas or periods, or shorter windows",
+             request->analysis->piece.name, least, (unsigned long long)window,
+             window == 1 ? "" : "s", end);
     }
 }
 

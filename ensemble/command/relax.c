@@ -18,8 +18,8 @@ static enum rk_status estimate(const void *values, const struct rk_data *data,
                                struct rk_result *result, struct rk_error *err) {
     const struct relax_options *o = values;
     const struct rk_samples *s = &data->samples;
-    struct rk_series all = {s->values,  s->replicas, s->samples,
-                            s->samples, s->lengths,  data->interval};
+    struct rk_series all = {s->values,  s->replicas,    s->samples, s->samples,
+                            s->lengths, data->interval, NULL};
     /* Of a study once a period: what happens within one is the plate's doing. */
     const struct rk_point_data point = {.series = &all,
                                         .samples_per_period = data->scale,

@@ -138,7 +138,7 @@ static int resonance(const void *options, size_t count, char *const *operands) {
     bool there = stat(operands[0], &about) == 0, folder = there && S_ISDIR(about.st_mode);
     (void)count;
     if (!there && errno == ENOENT) {
-        rk_fail(&err, RK_EINVALID, "%.200s: there is no such file", operands[0]);
+        rk_fail(&err, RK_EINVALID, "%.200s: there is no such file or folder", operands[0]);
         return rk_complain(&err);
     }
     if (check_options(o, folder, &err) != RK_OK ||
@@ -211,7 +211,7 @@ const struct rk_command rk_command_resonance = {
     .about =
         "Fits h/(1 + ((T - T0)/w)^2) to the mean rates of the points of a study, which differ in\n"
         "the period, or of a CSV file with one row a replica. Intervals of position, height and\n"
-        "width by bootstrap over the replicas of each period.",
+        "width by bootstrap over the replicas of each period, paired where they begin from one bed.",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .size = sizeof(struct resonance_options),

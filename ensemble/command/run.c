@@ -38,7 +38,8 @@ static const struct rk_option options[] = {
      .argument = "N",
      .low = 1,
      .high = 4096,
-     .doc = "replicas at a time (default: one a core); changes no result"},
+     .doc =
+         "replicas at a time, and cores unless run.threads is a number [all]; changes no result"},
     {.name = "shard",
      .type = RK_OPTION_TEXT,
      .offset = offsetof(struct run_options, shard),
@@ -325,10 +326,10 @@ const struct rk_command rk_command_run = {
     .summary = "carry out a study: start it, resume it, extend it",
     .usage = "STUDY [-o DIR] [--shard I/N]",
     .about = "Carries out the replicas that are missing in the study's folder, one a core, the\n"
-             "longest first; cores that have none help with large ones. Ctrl-C keeps what is done "
-             "and lets running replicas write a\n"
-             "checkpoint; the same command goes on from there, also after a power cut, with the\n"
-             "same bytes in the end. More replicas in the study file are added to those there.\n"
+             "longest first; cores that have none help with large ones. Ctrl-C keeps what is\n"
+             "done and lets running replicas write a checkpoint; the same command goes on from\n"
+             "there, also after a power cut, with the same bytes in the end. More replicas in\n"
+             "the study file are added to those there.\n"
              "Replicas that went wrong stay failed, unless the study has 'retry' ({step: 0.5,\n"
              "times: 2}: again with half the time step, and a quarter) or --retry-failed is given\n"
              "(again as they were, after a mended program).\n"

@@ -60,6 +60,10 @@ struct rk_bed_name rk_bed_name(const char *preparation, uint64_t replica) {
     return name;
 }
 
+uint64_t rk_plan_bed(const struct rk_plan *plan, const struct rk_run *run) {
+    return plan->points[run->point].bedding * RK_REPLICAS_MAX + run->replica;
+}
+
 /* Points of one preparation together, those with the longest runs first. */
 static int compare_preparations(const void *a, const void *b, void *context) {
     const struct rk_plan_point *points = context;
@@ -89,6 +93,7 @@ enum rk_status rk_plan_share_beds(struct rk_plan *plan, struct rk_error *err) {
         bool another =
             k == 0 || strcmp(point->preparation, plan->points[order[k - 1]].preparation) != 0;
         settled = another ? 0 : settled;
+        point->bedding = another ? order[k] : plan->points[order[k - 1]].bedding;
         point->shared = settled < point->count ? settled : point->count;
         plan->beds += point->count - point->shared;
         settled = settled > point->count ? settled : point->count;

@@ -63,7 +63,8 @@ static enum rk_status check_keys(const struct rk_yaml *tree, struct rk_error *er
             return rk_yaml_wrong(tree, n->key_place, err, "a study has no key '%.64s'%s", n->key,
                                  rk_hint_of(nearest, "; it may have study, case, seed, replicas, "
                                                      "base, points, sweep, analyses, include, "
-                                                     "keep, until, retry")
+                                                     "keep, until, retry; parameters of the "
+                                                     "case stand under base")
                                      .text);
         }
     }

@@ -61,7 +61,7 @@ int main(int argc, char **argv) {
         fprintf(stderr, "bench_pdf: no samples\n");
         return 1;
     }
-    struct rk_series series = {x, 1, count, count, NULL, 1};
+    struct rk_series series = {x, 1, count, count, NULL, 1, NULL};
     struct rk_pdf_options options = RK_PDF_DEFAULTS;
     struct rk_stream stream = rk_stream_of(1, 0, 0, RK_FOR_BOOTSTRAP, 0);
     struct rk_error err = RK_NO_ERROR;

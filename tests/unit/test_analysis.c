@@ -44,7 +44,7 @@ static void estimate(const struct rk_analysis *analysis, double rise, struct rk_
     struct rk_error err = RK_NO_ERROR;
     assert_true(heights && params);
     make_heights(heights, rise);
-    struct rk_series series = {heights, REPLICAS, ROWS, ROWS, NULL, 0.4};
+    struct rk_series series = {heights, REPLICAS, ROWS, ROWS, NULL, 0.4, NULL};
     struct rk_point_data data = data_of(&series);
     rk_param_defaults(analysis->params, params);
     /* Drawing samples to test a fit takes long and is tested elsewhere. */
@@ -141,7 +141,7 @@ static void relax_in_its_units(void **state) {
             heights[r * ROWS + i] = 5 - 2 * exp(-0.4 * (double)i / 20) + noise;
         }
     }
-    struct rk_series series = {heights, REPLICAS, ROWS, ROWS, NULL, 0.4};
+    struct rk_series series = {heights, REPLICAS, ROWS, ROWS, NULL, 0.4, NULL};
     struct rk_point_data data = data_of(&series);
     rk_result_init(&result);
     assert_int_equal(rk_analysis_relax.methods->estimate(&params, &data, &result, &err), RK_OK);
@@ -169,7 +169,7 @@ static void surface_in_its_units(void **state) {
     for (size_t i = 0; i < ALL; i++) {
         heights[i] = 3 + 0.25 / SAMPLES * (double)(i % ROWS);
     }
-    struct rk_series series = {heights, 2, ROWS, ROWS, lengths, 0.4};
+    struct rk_series series = {heights, 2, ROWS, ROWS, lengths, 0.4, NULL};
     struct rk_point_data data = data_of(&series);
     rk_result_init(&result);
     assert_int_equal(rk_analysis_surface.methods->estimate(&params, &data, &result, &err), RK_OK);

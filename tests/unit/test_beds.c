@@ -220,6 +220,16 @@ static void the_longest_run_pays_for_a_bed(void **state) {
     assert_string_equal(plan->points[0].preparation, plan->points[1].preparation);
     assert_string_equal(plan->points[0].preparation, plan->points[3].preparation);
     assert_string_not_equal(plan->points[0].preparation, plan->points[2].preparation);
+    /* Runs have one number for their bed when they have one bed. */
+    for (size_t i = 0; i < plan->count; i++) {
+        for (size_t j = 0; j < plan->count; j++) {
+            const struct rk_run *a = &plan->runs[i], *b = &plan->runs[j];
+            bool same = a->replica == b->replica && (a->point == 2) == (b->point == 2);
+            assert_int_equal(rk_plan_bed(plan, a) == rk_plan_bed(plan, b), same);
+            assert_true(a->point != b->point ||
+                        (a->replica < b->replica) == (rk_plan_bed(plan, a) < rk_plan_bed(plan, b)));
+        }
+    }
     free_plan(plan, study);
 }
 

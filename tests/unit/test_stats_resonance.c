@@ -29,7 +29,7 @@ static struct rk_resonance_data make(struct synthetic *s, double height, double 
             s->rate[i] = height / (1 + z * z) + gsl_ran_gaussian_ziggurat(rng, noise);
         }
     }
-    return (struct rk_resonance_data){s->period, s->rate, s->first, PERIODS};
+    return (struct rk_resonance_data){s->period, s->rate, s->first, PERIODS, NULL};
 }
 
 static const struct rk_resonance_options options = {0.95, 200};
@@ -82,7 +82,7 @@ enum { ENSEMBLES_OF_FEW = 40 };
 
 struct tally {
     int given, covered[3], one_sided[3];
-    char text[700], why[400];
+    char text[900], why[400];
 };
 
 static struct tally scan(double at, double width, double noise, uint64_t seed) {
@@ -102,7 +102,7 @@ static struct tally scan(double at, double width, double noise, uint64_t seed) {
                 highest = fmax(highest, rate[i]);
             }
         }
-        const struct rk_resonance_data data = {period, rate, first, PERIODS};
+        const struct rk_resonance_data data = {period, rate, first, PERIODS, NULL};
         struct rk_error err = RK_NO_ERROR;
         struct rk_resonance *r;
         if (rk_resonance_estimate(&r, &data, &(struct rk_resonance_options){0.95, 100}, &stream,
@@ -252,7 +252,7 @@ static void first_passage_by_hand(void **state) {
     enum { SAMPLES = 6 };
     const double x[3 * SAMPLES] = {5, 0, 1, 2, 0, 3, /**/ 0, 1, 1.9, 1, 1, 1, /**/ 0, 0, 1, 1.5};
     const size_t lengths[] = {6, 6, 4};
-    const struct rk_series series = {x, 3, SAMPLES, SAMPLES, lengths, 0.5};
+    const struct rk_series series = {x, 3, SAMPLES, SAMPLES, lengths, 0.5, NULL};
     struct rk_rise_time_options passage = {.height = 2, .from = 1, .level = 0.95};
     struct rk_rise_time *rise;
     struct rk_error err = RK_NO_ERROR;
@@ -320,7 +320,7 @@ static void own_errors_are_allowed_for(void **state) {
                 rate[i] = 1 + gsl_ran_gaussian_ziggurat(rng, 0.1 * (double)(1 + k % 3));
             }
         }
-        const struct rk_resonance_data data = {period, rate, first, MANY};
+        const struct rk_resonance_data data = {period, rate, first, MANY, NULL};
         struct rk_error err = RK_NO_ERROR;
         struct rk_resonance *r;
         enum rk_status status = rk_resonance_estimate(
