@@ -157,10 +157,11 @@ static enum rk_status find_means(struct rk_peak_data *w, struct rk_error *err) {
                        "the replicas of each period agree to the last bit: they "
                        "tell no error");
     }
+    w->own = fewest >= FEW;
     for (size_t j = 0; j < w->data->periods; j++) {
         double n = (double)rk_peak_replicas(w, j);
         double own =
-            fewest >= FEW && w->error[j] > 0 ? w->error[j] * w->error[j] : pooled / w->degrees / n;
+            w->own && w->error[j] > 0 ? w->error[j] * w->error[j] : pooled / w->degrees / n;
         w->weight[j] = 1 / own;
     }
     w->narrowest = INFINITY;
@@ -174,9 +175,24 @@ static enum rk_status find_means(struct rk_peak_data *w, struct rk_error *err) {
 
 /* ---- Results ------------------------------------------------------------------------------- */
 
+/* The probability of such a sum of squares about a curve with `degrees` left: Fisher's F with one
+ * error for all, Welch's with an error of each, which is itself known from n values only. `doubt`
+ * is the sum of (1 - h)^2/(n - 1), h being the part that a mean has in its own fit. */
+static double chance_of(const struct rk_peak_data *w, double chi_square, double degrees,
+                        double doubt) {
+    double f = chi_square / degrees, both = degrees * (degrees + 2);
+    return w->own ? gsl_cdf_fdist_Q(f / (1 + 2 * (degrees - 1) / both * doubt), degrees,
+                                    both / (3 * doubt))
+                  : gsl_cdf_fdist_Q(f, degrees, w->degrees);
+}
+
+static double doubt_of(const struct rk_peak_data *w, size_t j, double h) {
+    return (1 - h) * (1 - h) / (double)(rk_peak_replicas(w, j) - 1);
+}
+
 /* The probability of means that differ so much when the rate is one constant. */
 static double flat(const struct rk_peak_data *w) {
-    double sum = 0, weight = 0, chi_square = 0, n = (double)w->data->periods;
+    double sum = 0, weight = 0, chi_square = 0, doubt = 0;
     for (size_t j = 0; j < w->data->periods; j++) {
         sum += w->weight[j] * w->y[j];
         weight += w->weight[j];
@@ -184,8 +200,25 @@ static double flat(const struct rk_peak_data *w) {
     for (size_t j = 0; j < w->data->periods; j++) {
         double d = w->y[j] - sum / weight;
         chi_square += w->weight[j] * d * d;
+        doubt += doubt_of(w, j, w->weight[j] / weight);
     }
-    return gsl_cdf_fdist_Q(chi_square / (n - 1), n - 1, w->degrees);
+    return chance_of(w, chi_square, (double)w->data->periods - 1, doubt);
+}
+
+/* The probability of means so far from the peak when they follow one. */
+static double fit_chance(const struct rk_peak_data *w, const struct rk_peak *best) {
+    double doubt = 0;
+    for (size_t j = 0; j < w->data->periods; j++) {
+        double g[RK_PEAK_PARAMS], h = 0;
+        rk_peak_at(w->x[j], best->theta, g, w);
+        for (int k = 0; k < RK_PEAK_PARAMS; k++) {
+            for (int l = 0; l < RK_PEAK_PARAMS; l++) {
+                h += w->weight[j] * g[k] * best->inverse[k][l] * g[l];
+            }
+        }
+        doubt += doubt_of(w, j, h);
+    }
+    return chance_of(w, best->chi_square, (double)w->data->periods - RK_PEAK_PARAMS, doubt);
 }
 
 static enum rk_status first_fit(const struct rk_peak_data *w, struct rk_peak *best,
@@ -253,11 +286,10 @@ static enum rk_status estimate(struct rk_resonance *out, struct rk_peak_data *w,
     }
     if (status == RK_OK) {
         enum rk_peak_sight sight = rk_peak_look(w, &best);
-        double degrees = (double)w->data->periods - RK_PEAK_PARAMS;
         out->periods = w->data->periods;
         out->replicas = w->data->first[w->data->periods];
         out->chi_square = best.chi_square;
-        out->fit_p = gsl_cdf_fdist_Q(best.chi_square / degrees, degrees, w->degrees);
+        out->fit_p = fit_chance(w, &best);
         if (w->blocks > 0) {
             status = rk_peak_blocks_fit(w, &best, &out->fit_p, err);
         }

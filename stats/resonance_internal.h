@@ -16,6 +16,7 @@ struct rk_peak_data {
     double unit, low, high;         /* of the rates; of the periods */
     double narrowest;               /* a quarter of the least distance of two periods */
     double degrees;                 /* of all errors together */
+    bool own;                       /* each mean has an error of its own, not that of all */
     size_t blocks; /* replicas of every period: the b-th of each begin from one bed; 0: all are
                       independent */
 };

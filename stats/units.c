@@ -101,7 +101,9 @@ static double chance_of(const struct rk_units *units, const double *values, cons
     if (between.freedom < 1 || within.freedom < 1) {
         return 1;
     }
-    double ratio = between.squares / between.freedom / (within.squares / within.freedom);
+    /* Blocks share a little with their neighbours, replicas nothing: s^2 of blocks is too small. */
+    double widening = rk_block_widening(units->time, all / (double)units->count);
+    double ratio = between.squares / between.freedom / (widening * within.squares / within.freedom);
     if (!isfinite(ratio)) {
         return between.squares > 0 ? 0 : 1;
     }

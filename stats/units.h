@@ -5,8 +5,9 @@
  * enough of them), and the blocks of all replicas are the units; there must be `least` of them.
  * Blocks see how a replica wanders in time but not how replicas differ for good, so where there is
  * more than one replica their means are compared with the scatter of their blocks (one-way analysis
- * of variance): when they differ more than chance allows at 1 %, blocks cannot stand for replicas
- * and the estimate is refused. With one replica that cannot be tested. */
+ * of variance, the latter widened by rk_block_widening): when they differ more than chance allows
+ * at 1 %, blocks cannot stand for replicas and the estimate is refused. With one replica that
+ * cannot be tested. */
 #ifndef RK_STATS_UNITS_H
 #define RK_STATS_UNITS_H
 

@@ -171,6 +171,19 @@ enum rk_status rk_target_settle(const char *folder, struct rk_study *study, bool
 
 /* ---- What became of it ---- */
 
+/* Grain-steps, at most, of the runs of a point that are done, with the tries that failed. */
+static double cost_of(const char *folder, const struct rk_plan *plan, size_t p) {
+    const struct rk_plan_point *point = &plan->points[p];
+    double cost = 0;
+    for (size_t i = point->first; i < point->first + point->count; i++) {
+        struct rk_run_facts facts = rk_store_run_facts(folder, plan, &plan->runs[i]);
+        for (uint64_t k = 0; facts.state == RK_RUN_DONE && k <= facts.retries; k++) {
+            cost += plan->runs[i].cost / rk_retry_step(&plan->study->retry, k);
+        }
+    }
+    return cost;
+}
+
 static enum rk_status look_at(const char *folder, const struct rk_plan *plan, size_t p,
                               struct rk_target_outcome *o, struct rk_error *err) {
     struct rk_gathered g = {0};
@@ -188,7 +201,7 @@ static enum rk_status look_at(const char *folder, const struct rk_plan *plan, si
         rk_stein_half_width(o->target.pilot, o->target.deviation, plan->study->until.level, g.done);
     o->used = g.done;
     o->missing = g.missing;
-    o->grain_steps = plan->runs[plan->points[p].first].cost * (double)g.done;
+    o->grain_steps = cost_of(folder, plan, p);
     rk_gathered_clear(&g);
     return status;
 }

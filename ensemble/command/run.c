@@ -283,8 +283,9 @@ static void say_rest(const struct rk_study *study, bool more) {
 static int run_to_target(const char *folder, struct rk_study *study, const struct run_options *o) {
     struct rk_error err = RK_NO_ERROR;
     const bool part = rk_ranks_wanted() || o->shard;
+    struct run_options now = *o;
     int code = RK_EXIT_DONE;
-    for (bool more = true; more;) {
+    for (bool more = true; more; now.retry_failed = false) { /* once is what was asked for */
         struct rk_plan *plan = NULL;
         bool known;
         if (rk_target_settle(folder, study, &known, &err) != RK_OK ||
@@ -292,7 +293,7 @@ static int run_to_target(const char *folder, struct rk_study *study, const struc
             return rk_complain(&err);
         }
         bool leads;
-        code = run_ranked(folder, plan, o, &leads);
+        code = run_ranked(folder, plan, &now, &leads);
         rk_plan_free(plan);
         more = code == RK_EXIT_DONE || code == RK_EXIT_REPLICAS;
         if (more && rk_target_settle(folder, study, &more, &err) != RK_OK) {

@@ -39,7 +39,7 @@ static enum rk_status find_try(const char *folder, const struct rk_plan *plan,
                                const struct rk_run *run, uint64_t *retries, char **failures,
                                struct rk_error *err) {
     struct rk_path path;
-    struct rk_seal seal;
+    struct rk_seal seal = {.retries = 0};
     *retries = 0;
     *failures = NULL;
     enum rk_status status = rk_path_of_run(&path, folder, run->id, ".h5", err);

@@ -92,8 +92,9 @@ enum rk_status rk_claim_take(const struct rk_worker *me, const struct rk_thing *
             return rk_fail_system(err, "claim: make the link", link.text);
         }
         status = walk(me, thing, &end, err);
-        /* Not made, but under this name: by another thread of this program. */
-        *mine = status == RK_OK && made && strcmp(end.holder, name) == 0;
+        /* The last link may be under this name and yet another: by another thread of this program.
+         */
+        *mine = status == RK_OK && made && strcmp(end.link.text, link.text) == 0;
         if (*mine) {
             break;
         }

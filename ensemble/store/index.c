@@ -58,13 +58,12 @@ static struct mosaic mosaic_of(size_t rows, hsize_t samples) {
     return m;
 }
 
-/* Its `rows` rows from `row` on are the dataset `values`, of as many, of a file; of one row, values
- * without rows. */
-static void map_rows(struct mosaic *m, size_t row, size_t rows, const char *file,
+/* Its `rows` rows from `row` on are the dataset `values` of a file: of rank 2 and as many rows, or,
+ * for one row, of rank 1. */
+static void map_rows(struct mosaic *m, size_t row, size_t rows, int rank, const char *file,
                      const char *values) {
     hsize_t from[2] = {row, 0}, size[2] = {rows, m->samples};
-    hid_t source =
-        rows > 1 ? H5Screate_simple(2, size, NULL) : H5Screate_simple(1, &m->samples, NULL);
+    hid_t source = H5Screate_simple(rank, size + 2 - rank, NULL);
     m->fine = m->fine && source >= 0 &&
               H5Sselect_hyperslab(m->space, H5S_SELECT_SET, from, NULL, size, NULL) >= 0 &&
               H5Pset_virtual(m->creation, m->space, file, values, source) >= 0;
@@ -101,7 +100,7 @@ static hid_t write_rows(struct rk_h5 *h5, hid_t parent, const char *name, const 
         if (c->marks[span.first + i].state == RK_RUN_DONE) {
             char file[RK_RUN_ID + 16];
             snprintf(file, sizeof file, "runs/%s.h5", c->plan->runs[span.first + i].id);
-            map_rows(&m, i, 1, file, c->values);
+            map_rows(&m, i, 1, 1, file, c->values);
         }
     }
     return place(h5, parent, name, &m);
@@ -124,7 +123,7 @@ static hid_t write_parts(struct rk_h5 *h5, hid_t parent, const char *name, const
         const struct span part = {span.first + first, rows};
         rk_h5_release(h5, write_rows(h5, parts, number, c, part));
         snprintf(path + length, sizeof path - (size_t)length, "/%s", number);
-        map_rows(&m, first, rows, ".", path);
+        map_rows(&m, first, rows, 2, ".", path);
     }
     rk_h5_release(h5, parts);
     return place(h5, parent, name, &m);

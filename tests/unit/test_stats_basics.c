@@ -661,6 +661,32 @@ static void units_follow_one_rule(void **state) {
     assert_int_equal(rk_units_choose(&units, x, none, 1, 5, &err), RK_EREFUSED);
 }
 
+/* Two replicas of one process are refused as different in 1 % of all ensembles, also where their
+ * blocks are hardly longer than two correlation times and neighbours far from independent. Of 2000
+ * that is 20 with a deviation of 4.4; 40 is beyond chance. */
+static void replicas_alike_are_rarely_refused(void **state) {
+    (void)state;
+    enum { N = 480, ENSEMBLES = 2000, BLOCKS = 64 };
+    static double x[2 * N];
+    const size_t first[] = {0, N, 2 * N};
+    gsl_rng *rng = rng_of(45);
+    size_t refused = 0, looked = 0;
+    for (int e = 0; e < ENSEMBLES; e++) {
+        struct rk_units units;
+        struct rk_error err = RK_NO_ERROR;
+        fill_autoregression(x, N, 9.0 / 11, rng);
+        fill_autoregression(x + N, N, 9.0 / 11, rng);
+        enum rk_status status = rk_units_choose(&units, x, first, 2, BLOCKS, &err);
+        bool differ = status == RK_EREFUSED && strstr(err.message, "differ more");
+        looked += status == RK_OK || differ;
+        refused += differ;
+        rk_units_clear(&units);
+    }
+    gsl_rng_free(rng);
+    assert_true(looked > 0.9 * ENSEMBLES);
+    assert_true(refused > 0 && refused < 40);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(moments_stand_an_offset),
@@ -684,6 +710,7 @@ int main(void) {
         cmocka_unit_test(histogram_bins),
         cmocka_unit_test(histogram_refuses),
         cmocka_unit_test(units_follow_one_rule),
+        cmocka_unit_test(replicas_alike_are_rarely_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
