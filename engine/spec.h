@@ -202,7 +202,7 @@ double rk_integrator_limit(const struct rk_piece *integrator, double zeta);
 
 /* The largest time step for which it is stable for a grain of mass `smallest` in a triangular
  * packing of its like (w^2 = 6 kn/m, damping likewise; with friction w^2 = 24 kt/m of turning;
- * section "Integrators" in the README), for discs of one material. Measured limits of lattices are
+ * engine/README.md, "Integrator"), for discs of one material. Measured limits of lattices are
  * 0 to 3 per cent above, and up to 5 per cent below where those of dashpots and of turning nearly
  * coincide (tests/physics/test_stability.c): stay below 80 per cent of it. A light grain that
  * touches more than six others may need a shorter one. */
