@@ -6,22 +6,10 @@
 #include "stats/data.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-void rk_notice_say(const struct rk_notice *notice, const char *format, ...) {
-    if (notice && notice->say) {
-        char line[900];
-        va_list arguments;
-        va_start(arguments, format);
-        vsnprintf(line, sizeof line, format, arguments);
-        va_end(arguments);
-        notice->say(notice->context, line);
-    }
-}
 
 void rk_gathered_clear(struct rk_gathered *g) {
     free(g->values);
