@@ -271,6 +271,14 @@ static enum rk_status wait_a_little(const struct making *m, struct timespec *pau
     return RK_OK;
 }
 
+static void give_back(const struct making *m, bool finished) {
+    const struct rk_worker *worker = m->wish->hooks->worker;
+    struct rk_error why = RK_NO_ERROR;
+    if (worker && rk_claim_release(worker, &m->claim, finished, &why) != RK_OK) {
+        say(m, "others may wait for it", &why);
+    }
+}
+
 /* Look, claim, or wait, until the bed is there. */
 static enum rk_status get(struct making *m, struct rk_error *err) {
     const struct rk_worker *worker = m->wish->hooks->worker;
@@ -286,9 +294,7 @@ static enum rk_status get(struct making *m, struct rk_error *err) {
         status = worker ? rk_claim_take(worker, &m->claim, &mine, NULL, err) : RK_OK;
         if (status == RK_OK && mine) {
             status = take_or_make(m, err);
-            if (worker) {
-                rk_claim_release(worker, &m->claim, status == RK_OK || status == RK_EUNSTABLE);
-            }
+            give_back(m, status == RK_OK || status == RK_EUNSTABLE);
         } else if (status == RK_OK) {
             status = wait_a_little(m, &pause, err);
         }

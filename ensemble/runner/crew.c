@@ -30,6 +30,13 @@ void rk_crew_message(struct rk_crew *crew, const char *line) {
     }
 }
 
+void rk_crew_release(struct rk_crew *crew, const struct rk_thing *thing, bool finished) {
+    struct rk_error why = RK_NO_ERROR;
+    if (rk_claim_release(crew->worker, thing, finished, &why) != RK_OK) {
+        rk_crew_message(crew, why.message);
+    }
+}
+
 static bool stop(void *context) {
     struct rk_crew *crew = ((struct rk_berth *)context)->crew;
     return atomic_load(&crew->lost) || rk_crew_stop(crew);
@@ -153,7 +160,7 @@ static void take_up(struct rk_berth *berth, size_t i) {
     if (status == RK_OK) {
         begin(berth, i);
         status = carry_out(berth, i, &why);
-        rk_claim_release(crew->worker, &thing, status == RK_OK);
+        rk_crew_release(crew, &thing, status == RK_OK);
         end(berth, i, status == RK_OK);
     }
     if (status != RK_OK && status != RK_EINTERRUPTED && status != RK_ECONFLICT) {

@@ -65,6 +65,8 @@ struct rk_crew {
 
 bool rk_crew_stop(struct rk_crew *crew);
 void rk_crew_message(struct rk_crew *crew, const char *line);
+/* Give back a claim; that it cannot be given back yet is said. */
+void rk_crew_release(struct rk_crew *crew, const struct rk_thing *thing, bool finished);
 
 /* Look at every run that is this program's: states[]. */
 enum rk_status rk_crew_review(struct rk_crew *crew, struct rk_error *err);

@@ -1,5 +1,6 @@
 #include "ensemble/runner/clock.h"
 #include "ensemble/runner/crew.h"
+#include "ensemble/store/claim.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -64,6 +65,7 @@ static void beat(struct rk_crew *crew, struct rk_work *work) {
     describe(crew, work);
     pthread_mutex_unlock(&crew->mutex);
     rk_worker_beat(crew->worker, work, NULL);
+    rk_claim_release_owed(crew->worker);
     if (!rk_worker_known(crew->worker) && !atomic_exchange(&crew->lost, true)) {
         rk_crew_message(crew, "this program gave no sign of life for so long that others may have "
                               "taken over its runs; it stops");
@@ -101,4 +103,5 @@ void rk_crew_pulse_stop(struct rk_crew *crew, pthread_t thread) {
     pthread_cond_signal(&crew->ended);
     pthread_mutex_unlock(&crew->mutex);
     pthread_join(thread, NULL);
+    rk_claim_release_owed(crew->worker);
 }

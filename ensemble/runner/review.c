@@ -87,7 +87,7 @@ static enum rk_status clear_up(struct rk_crew *crew, size_t i, bool all, struct 
     if (status == RK_OK) {
         status = rk_run_tidy(crew->folder, crew->plan, run, failed, err);
     }
-    rk_claim_release(crew->worker, &thing, true);
+    rk_crew_release(crew, &thing, true);
     return status;
 }
 

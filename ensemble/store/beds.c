@@ -111,7 +111,7 @@ static enum rk_status tidy(const struct rk_worker *me, const char *bed, struct r
     }
     if (status == RK_OK && mine) {
         status = rk_checkpoint_remove(paths.checkpoint.text, err);
-        rk_claim_release(me, &thing, true);
+        rk_claim_release(me, &thing, true, NULL); /* if not, it ends with this program */
     }
     return status;
 }

@@ -59,50 +59,53 @@ static enum rk_status walk(const struct rk_worker *me, const struct rk_thing *th
     return status;
 }
 
-/* Remove the links from the first to one's own. The first one first: a chain that lost its end
- * instead could be lengthened by somebody who then believed to hold it. What is left of a chain
- * without its beginning is out of use. */
-static void remove_chain(const struct rk_worker *me, const struct rk_thing *thing) {
-    char holder[RK_WORKER_NAME] = "";
-    bool more = true;
-    while (more && strcmp(holder, rk_worker_name(me)) != 0) {
-        struct rk_path link;
-        ssize_t length = -1;
-        if (link_after(&link, me, thing, holder, NULL) == RK_OK) {
-            length = readlink(link.text, holder, sizeof holder - 1);
+static bool is_mine(const struct rk_worker *me, const struct end *end) {
+    return strcmp(end->holder, rk_worker_name(me)) == 0;
+}
+
+/* ---- Taking ---- */
+
+/* The claim of a thing that no other thread of this program has. Where our name stands last it is
+ * ours, also when it could not be given back before. *made: there is a link of ours now. */
+static enum rk_status take(const struct rk_worker *me, const struct rk_thing *thing,
+                           struct end *end, bool *made, struct rk_error *err) {
+    enum rk_status status = walk(me, thing, end, err);
+    *made = false;
+    while (status == RK_OK && !is_mine(me, end) &&
+           (end->holder[0] == '\0' || !rk_worker_lives(me, end->holder))) {
+        struct rk_path link = end->next;
+        *made = symlink(rk_worker_name(me), link.text) == 0;
+        if (!*made && errno != EEXIST) {
+            return rk_fail_system(err, "claim: make the link", link.text);
         }
-        more = length > 0 && unlink(link.text) == 0;
-        holder[more ? length : 0] = '\0';
+        status = walk(me, thing, end, err);
+        if (status == RK_OK && *made && !is_mine(me, end)) {
+            if (!rk_worker_known(me)) {
+                break; /* others may have gone on from this link */
+            }
+            unlink(link.text);
+            *made = false;
+        }
     }
+    return status;
 }
 
 enum rk_status rk_claim_take(const struct rk_worker *me, const struct rk_thing *thing, bool *mine,
                              char holder[RK_WORKER_NAME], struct rk_error *err) {
-    const char *name = rk_worker_name(me);
+    struct rk_held *held = rk_worker_held(me);
     struct end end;
+    bool entered, made;
     *mine = false;
-    enum rk_status status = walk(me, thing, &end, err);
-    while (status == RK_OK) {
-        if (end.holder[0] != '\0' && rk_worker_lives(me, end.holder)) {
-            break;
-        }
-        struct rk_path link = end.next;
-        bool made = symlink(name, link.text) == 0;
-        if (!made && errno != EEXIST) {
-            return rk_fail_system(err, "claim: make the link", link.text);
-        }
-        status = walk(me, thing, &end, err);
-        /* The last link may be under this name and yet another: by another thread of this program.
-         */
-        *mine = status == RK_OK && made && strcmp(end.link.text, link.text) == 0;
-        if (*mine) {
-            break;
-        }
-        if (made && !rk_worker_known(me)) {
-            break; /* others may have gone on from this link */
-        }
-        if (made) {
-            unlink(link.text);
+    enum rk_status status = rk_held_enter(held, thing, &entered, err);
+    if (status == RK_OK && !entered) {
+        snprintf(end.holder, sizeof end.holder, "%s", rk_worker_name(me));
+    } else if (status == RK_OK) {
+        status = take(me, thing, &end, &made, err);
+        *mine = status == RK_OK && is_mine(me, &end);
+        if (status != RK_OK && made) {
+            rk_held_owe(held, thing, false);
+        } else if (!*mine) {
+            rk_held_leave(held, thing);
         }
     }
     if (holder && status == RK_OK) {
@@ -113,20 +116,63 @@ enum rk_status rk_claim_take(const struct rk_worker *me, const struct rk_thing *
 
 bool rk_claim_holds(const struct rk_worker *me, const struct rk_thing *thing) {
     struct end end;
-    return rk_worker_known(me) && walk(me, thing, &end, NULL) == RK_OK &&
-           strcmp(end.holder, rk_worker_name(me)) == 0;
+    return rk_worker_known(me) && walk(me, thing, &end, NULL) == RK_OK && is_mine(me, &end);
 }
 
-void rk_claim_release(const struct rk_worker *me, const struct rk_thing *thing, bool finished) {
-    struct end end;
-    if (walk(me, thing, &end, NULL) == RK_OK && strcmp(end.holder, rk_worker_name(me)) == 0) {
-        if (finished) {
-            remove_chain(me, thing);
-        } else {
-            unlink(end.link.text);
+/* ---- Giving back ---- */
+
+static enum rk_status remove_link(const char *link, struct rk_error *err) {
+    return unlink(link) == 0 || errno == ENOENT ? RK_OK
+                                                : rk_fail_system(err, "give back the claim", link);
+}
+
+/* Remove the links from the first to one's own. The first one first: a chain that lost its end
+ * instead could be lengthened by somebody who then believed to hold it. What is left of a chain
+ * without its beginning is out of use (rk_claim_sweep): only that the first goes must not fail. */
+static enum rk_status remove_chain(const struct rk_worker *me, const struct rk_thing *thing,
+                                   struct rk_error *err) {
+    char holder[RK_WORKER_NAME] = "";
+    enum rk_status status = RK_OK;
+    bool more = true;
+    for (int k = 0; more && strcmp(holder, rk_worker_name(me)) != 0; k++) {
+        struct rk_path link;
+        ssize_t length = -1;
+        enum rk_status removed = link_after(&link, me, thing, holder, NULL);
+        if (removed == RK_OK) {
+            length = readlink(link.text, holder, sizeof holder - 1);
+            removed = remove_link(link.text, k == 0 ? err : NULL);
         }
+        status = k == 0 ? removed : status;
+        more = length > 0 && removed == RK_OK;
+        holder[more ? length : 0] = '\0';
+    }
+    return status;
+}
+
+enum rk_status rk_claim_release(const struct rk_worker *me, const struct rk_thing *thing,
+                                bool finished, struct rk_error *err) {
+    struct end end;
+    enum rk_status status = walk(me, thing, &end, err);
+    if (status == RK_OK && is_mine(me, &end)) {
+        status = finished ? remove_chain(me, thing, err) : remove_link(end.link.text, err);
+    }
+    if (status == RK_OK) {
+        rk_held_leave(rk_worker_held(me), thing);
+    } else {
+        rk_held_owe(rk_worker_held(me), thing, finished);
+    }
+    return status;
+}
+
+void rk_claim_release_owed(const struct rk_worker *me) {
+    struct rk_thing thing;
+    bool finished, fine = true;
+    while (fine && rk_held_owed(rk_worker_held(me), &thing, &finished)) {
+        fine = rk_claim_release(me, &thing, finished, NULL) == RK_OK;
     }
 }
+
+/* ---- What the dead left ---- */
 
 static void sweep(const char *folder) {
     struct rk_path path;

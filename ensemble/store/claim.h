@@ -12,31 +12,32 @@
  * Who has a claim must look whether the thing is done already: it may have been finished between
  * the look at its file and the claim.
  *
- * Threads: no state but the worker's. Threads of one worker exclude each other as workers do, but
- * only the one that took a claim may give it back.
+ * Threads: no state but the worker's. Threads of one worker exclude each other as workers do
+ * (held.h), but only the one that took a claim may give it back.
  */
 #ifndef RK_ENSEMBLE_STORE_CLAIM_H
 #define RK_ENSEMBLE_STORE_CLAIM_H
 
+#include "ensemble/store/held.h"
 #include "ensemble/store/worker.h"
 
-/* What is claimed, below the study's folder. */
-struct rk_thing {
-    char name[RK_RUN_ID + 8];
-};
 struct rk_thing rk_thing_run(const struct rk_run *run);
 struct rk_thing rk_thing_bed(const char *bed);
 
 /* Try to claim something. *mine tells; where it is false, `holder` (NULL if not wanted) gets the
- * name of the live worker that has it. RK_EIO. */
+ * name of the live worker that has it, which may be `me`. RK_EIO, RK_EMEMORY. */
 enum rk_status rk_claim_take(const struct rk_worker *me, const struct rk_thing *thing, bool *mine,
                              char holder[RK_WORKER_NAME], struct rk_error *err);
 
 /* Does `me` still hold what it claimed? False when it was taken for dead. */
 bool rk_claim_holds(const struct rk_worker *me, const struct rk_thing *thing);
 
-/* Give a claim back. Of a thing that is `finished` every trace goes. */
-void rk_claim_release(const struct rk_worker *me, const struct rk_thing *thing, bool finished);
+/* Give a claim back. Of a thing that is `finished` every trace goes. RK_EIO: it is still there, and
+ * is owed: whoever of `me`'s threads takes it next has it, others wait until it is given back. */
+enum rk_status rk_claim_release(const struct rk_worker *me, const struct rk_thing *thing,
+                                bool finished, struct rk_error *err);
+/* Try again to give back what is owed; call every few seconds, and before leaving. */
+void rk_claim_release_owed(const struct rk_worker *me);
 
 /* Remove what is left of chains whose beginning is gone: of a program that was killed while it gave
  * back the claim of something finished. */

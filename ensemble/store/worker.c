@@ -20,6 +20,7 @@ struct rk_worker {
     char name[RK_WORKER_NAME];
     struct rk_path path;
     int file; /* locked */
+    struct rk_held *held;
 };
 
 const char *rk_worker_name(const struct rk_worker *worker) {
@@ -33,6 +34,10 @@ const char *rk_worker_folder(const struct rk_worker *worker) {
 static enum rk_status path_of(struct rk_path *path, const char *folder, const char *name,
                               struct rk_error *err) {
     return rk_path_set(path, err, "%s/at_work/%s", folder, name);
+}
+
+struct rk_held *rk_worker_held(const struct rk_worker *worker) {
+    return worker->held;
 }
 
 /* ---- Alive or dead ---- */
@@ -130,7 +135,8 @@ static enum rk_status appear(struct rk_worker *worker, struct rk_error *err) {
 enum rk_status rk_worker_begin(const char *folder, struct rk_worker **out, struct rk_error *err) {
     struct rk_worker *worker = calloc(1, sizeof *worker);
     struct rk_path path;
-    if (!worker) {
+    if (!worker || !(worker->held = rk_held_create())) {
+        free(worker);
         return rk_fail(err, RK_EMEMORY, "not enough memory");
     }
     worker->file = -1;
@@ -149,6 +155,7 @@ enum rk_status rk_worker_begin(const char *folder, struct rk_worker **out, struc
         }
     }
     if (status != RK_OK) {
+        rk_held_free(worker->held);
         free(worker);
         return status;
     }
@@ -177,6 +184,7 @@ void rk_worker_end(struct rk_worker *worker) {
         if (rk_path_set(&path, NULL, "%s/at_work", worker->folder) == RK_OK) {
             rmdir(path.text); /* unless others are in it */
         }
+        rk_held_free(worker->held);
         free(worker);
     }
 }

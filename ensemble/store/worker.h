@@ -22,6 +22,7 @@
 #define RK_ENSEMBLE_STORE_WORKER_H
 
 #include "base/error.h"
+#include "ensemble/store/held.h"
 #include "ensemble/store/process.h"
 #include "ensemble/study.h"
 
@@ -42,6 +43,8 @@ enum rk_status rk_worker_retire(struct rk_worker *worker, struct rk_error *err);
 
 const char *rk_worker_name(const struct rk_worker *worker);
 const char *rk_worker_folder(const struct rk_worker *worker);
+/* What its threads have claimed; for claim.c. */
+struct rk_held *rk_worker_held(const struct rk_worker *worker);
 
 /* What a worker says of itself. */
 struct rk_work_run {

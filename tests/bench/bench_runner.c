@@ -143,7 +143,7 @@ static enum rk_status time_index(struct bench *b, const char *folder, size_t run
     for (size_t i = 0; status == RK_OK && i < runs; i++) {
         const struct rk_thing thing = rk_thing_run(&b->plan->runs[i]);
         status = rk_claim_take(rk_store_worker(store), &thing, &mine, NULL, &b->err);
-        rk_claim_release(rk_store_worker(store), &thing, true);
+        status = status ? status : rk_claim_release(rk_store_worker(store), &thing, true, &b->err);
     }
     line("a claim, taken and given back", runs, start);
     rk_store_close(store);

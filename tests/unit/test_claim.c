@@ -88,7 +88,7 @@ static int contend(const struct fixture *f, unsigned seed) {
         if ((seed >> 20) % 16 == 0) {
             _exit(3);
         }
-        rk_claim_release(me, thing, (seed >> 24) % 2 == 0);
+        rk_claim_release(me, thing, (seed >> 24) % 2 == 0, NULL);
     }
     rk_worker_end(me);
     return 0;
@@ -117,7 +117,7 @@ static void expect_no_claim_left(const struct fixture *f) {
         assert_int_equal(rk_claim_take(me, &f->things[i], &again, holder, &err), RK_OK);
         assert_false(again);
         assert_string_equal(holder, rk_worker_name(me));
-        rk_claim_release(me, &f->things[i], true);
+        assert_int_equal(rk_claim_release(me, &f->things[i], true, &err), RK_OK);
         assert_false(rk_claim_holds(me, &f->things[i]));
     }
     rk_claim_sweep(me);
@@ -173,7 +173,7 @@ static void *contend_in_thread(void *context) {
             takes++;
             usleep(100);
             atomic_fetch_sub(&c->inside, 1);
-            rk_claim_release(c->me, c->thing, true);
+            rk_claim_release(c->me, c->thing, true, NULL);
         }
     }
     return NULL;
@@ -193,6 +193,96 @@ static void threads_exclude_each_other(void **state) {
     }
     assert_false(atomic_load(&c.crowded));
     rk_worker_end(c.me);
+}
+
+/* ---- A file system that fails for a moment: the linker puts these around the calls ---- */
+
+static atomic_int unlinks_fail, readlinks_fail, readlinks_before;
+
+int __real_unlink(const char *path);
+int __wrap_unlink(const char *path);
+ssize_t __real_readlink(const char *path, char *text, size_t size);
+ssize_t __wrap_readlink(const char *path, char *text, size_t size);
+
+static bool fails(atomic_int *times) {
+    if (atomic_load(times) == 0) {
+        return false;
+    }
+    atomic_fetch_sub(times, 1);
+    errno = EIO;
+    return true;
+}
+
+int __wrap_unlink(const char *path) {
+    return fails(&unlinks_fail) ? -1 : __real_unlink(path);
+}
+
+ssize_t __wrap_readlink(const char *path, char *text, size_t size) {
+    if (atomic_load(&readlinks_before) > 0) {
+        atomic_fetch_sub(&readlinks_before, 1);
+        return __real_readlink(path, text, size);
+    }
+    return fails(&readlinks_fail) ? -1 : __real_readlink(path, text, size);
+}
+
+static bool takes(const struct rk_worker *worker, const struct rk_thing *thing) {
+    bool mine;
+    struct rk_error err = RK_NO_ERROR;
+    assert_int_equal(rk_claim_take(worker, thing, &mine, NULL, &err), RK_OK);
+    return mine;
+}
+
+/* A claim that could not be given back is nobody's: a thread of this program can have it, and
+ * another program once it is given back at the next try. */
+static void what_could_not_be_given_back_is_owed(void **state) {
+    const struct fixture *f = *state;
+    struct rk_worker *me, *other;
+    assert_int_equal(rk_worker_begin(f->folder, &me, NULL), RK_OK);
+    assert_int_equal(rk_worker_begin(f->folder, &other, NULL), RK_OK);
+    for (int i = 0; i < 8; i++) {
+        const struct rk_thing *thing = &f->things[i % 2];
+        atomic_int *failing = i / 2 % 2 ? &readlinks_fail : &unlinks_fail;
+        bool finished = i / 4 % 2;
+        struct rk_error err = RK_NO_ERROR;
+        assert_true(takes(me, thing));
+        atomic_store(failing, 1);
+        assert_int_equal(rk_claim_release(me, thing, finished, &err), RK_EIO);
+        assert_non_null(strstr(err.message, thing->name));
+        assert_int_equal(atomic_load(failing), 0);
+        assert_false(takes(other, thing));
+        assert_true(takes(me, thing) && !takes(me, thing)); /* one thread, not two */
+        atomic_store(failing, 2);
+        assert_int_equal(rk_claim_release(me, thing, finished, &err), RK_EIO);
+        rk_claim_release_owed(me);
+        assert_false(takes(other, thing));
+        rk_claim_release_owed(me);
+        assert_true(takes(other, thing) && !takes(me, thing));
+        assert_int_equal(rk_claim_release(other, thing, true, &err), RK_OK);
+    }
+    rk_worker_end(other);
+    rk_worker_end(me);
+}
+
+/* A link of ours that could not be looked at again is owed as well. */
+static void a_failing_look_keeps_nobody_out(void **state) {
+    const struct fixture *f = *state;
+    const struct rk_thing *thing = &f->things[1];
+    struct rk_worker *me, *other;
+    struct rk_error err = RK_NO_ERROR;
+    bool mine;
+    assert_int_equal(rk_worker_begin(f->folder, &me, NULL), RK_OK);
+    assert_int_equal(rk_worker_begin(f->folder, &other, NULL), RK_OK);
+    for (int before = 0; before < 2; before++) { /* before the link is made, and after */
+        atomic_store(&readlinks_before, before);
+        atomic_store(&readlinks_fail, 1);
+        assert_int_equal(rk_claim_take(me, thing, &mine, NULL, &err), RK_EIO);
+        assert_int_equal(takes(other, thing), before == 0);
+        rk_claim_release_owed(me);
+        assert_int_equal(takes(other, thing), before == 1);
+        assert_int_equal(rk_claim_release(other, thing, true, &err), RK_OK);
+    }
+    rk_worker_end(other);
+    rk_worker_end(me);
 }
 
 /* What is said in a record is read back, and the temporary files of the dead go. */
@@ -235,6 +325,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(records_are_read_back, make, clear),
         cmocka_unit_test_setup_teardown(threads_exclude_each_other, make, clear),
+        cmocka_unit_test_setup_teardown(what_could_not_be_given_back_is_owed, make, clear),
+        cmocka_unit_test_setup_teardown(a_failing_look_keeps_nobody_out, make, clear),
         cmocka_unit_test_setup_teardown(nobody_shares_a_claim, make, clear),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
