@@ -30,6 +30,28 @@ void rk_crew_message(struct rk_crew *crew, const char *line) {
     }
 }
 
+void rk_crew_say(struct rk_crew *crew, enum rk_crew_topic topic, const char *line) {
+    pthread_mutex_lock(&crew->mutex);
+    bool first = crew->said[topic]++ < RK_CREW_LINES;
+    pthread_mutex_unlock(&crew->mutex);
+    if (first) {
+        rk_crew_message(crew, line);
+    }
+}
+
+void rk_crew_sum_up(struct rk_crew *crew) {
+    static const char *const what[RK_CREW_TOPICS] = {
+        [RK_CREW_RETRIES] = "tries again with a smaller time step",
+        [RK_CREW_ERRORS] = "runs that could not be carried out"};
+    for (int t = 0; t < RK_CREW_TOPICS; t++) {
+        if (crew->said[t] > RK_CREW_LINES) {
+            char line[128];
+            snprintf(line, sizeof line, "and %zu more %s", crew->said[t] - RK_CREW_LINES, what[t]);
+            rk_crew_message(crew, line);
+        }
+    }
+}
+
 void rk_crew_release(struct rk_crew *crew, const struct rk_thing *thing, bool finished) {
     struct rk_error why = RK_NO_ERROR;
     if (rk_claim_release(crew->worker, thing, finished, &why) != RK_OK) {
@@ -44,6 +66,10 @@ static bool stop(void *context) {
 
 static void message(void *context, const char *line) {
     rk_crew_message(((struct rk_berth *)context)->crew, line);
+}
+
+static void again(void *context, const char *line) {
+    rk_crew_say(((struct rk_berth *)context)->crew, RK_CREW_RETRIES, line);
 }
 
 static void advance(void *context, double grain_steps) {
@@ -73,7 +99,7 @@ static bool holds(void *context) {
 static void note_error(struct rk_crew *crew, const struct rk_run *run, const struct rk_error *why) {
     char line[1024];
     snprintf(line, sizeof line, "run %s could not be carried out: %s", run->id, why->message);
-    rk_crew_message(crew, line);
+    rk_crew_say(crew, RK_CREW_ERRORS, line);
     pthread_mutex_lock(&crew->mutex);
     if (crew->first.status == RK_OK) {
         crew->first = *why;
@@ -117,6 +143,7 @@ static enum rk_status carry_out(struct rk_berth *berth, size_t i, struct rk_erro
     const struct rk_run *run = &crew->plan->runs[i];
     const struct rk_run_hooks hooks = {.stop = stop,
                                        .message = message,
+                                       .again = again,
                                        .advance = advance,
                                        .spare = spare,
                                        .between = between,

@@ -23,6 +23,10 @@
 
 struct rk_crew;
 
+/* What may be said of a thousand runs, one after the other: the first few lines, then how many. */
+enum rk_crew_topic { RK_CREW_RETRIES, RK_CREW_ERRORS, RK_CREW_TOPICS };
+enum { RK_CREW_LINES = 10 };
+
 /* What one thread of a crew is at; guarded by the crew's mutex. */
 struct rk_berth {
     struct rk_crew *crew;
@@ -56,7 +60,8 @@ struct rk_crew {
     struct rk_effort effort; /* of this process */
     struct rk_error first;   /* that kept a run from being carried out */
     int troubles;            /* runs in a row that met an error of the disk */
-    size_t *order;           /* the runs to do now, a part of share[] */
+    size_t said[RK_CREW_TOPICS];
+    size_t *order; /* the runs to do now, a part of share[] */
     size_t count, next;
     bool dealing;         /* also to other ranks */
     pthread_cond_t ended; /* of the work: the pulse need not wait its turn */
@@ -65,6 +70,9 @@ struct rk_crew {
 
 bool rk_crew_stop(struct rk_crew *crew);
 void rk_crew_message(struct rk_crew *crew, const char *line);
+/* A line of many; and of those that were left out, how many they were. */
+void rk_crew_say(struct rk_crew *crew, enum rk_crew_topic topic, const char *line);
+void rk_crew_sum_up(struct rk_crew *crew);
 /* Give back a claim; that it cannot be given back yet is said. */
 void rk_crew_release(struct rk_crew *crew, const struct rk_thing *thing, bool finished);
 

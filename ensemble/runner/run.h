@@ -18,6 +18,7 @@ struct rk_worker;
 struct rk_run_hooks {
     bool (*stop)(void *context);                            /* asked every few milliseconds */
     void (*message)(void *context, const char *line);       /* something worth a line */
+    void (*again)(void *context, const char *line);         /* a try after one that failed */
     void (*advance)(void *context, double grain_steps);     /* so much was just done */
     void (*spare)(void *context, double grain_steps);       /* so much of its cost is not needed */
     void (*between)(void *context, struct rk_scene *scene); /* two steps: may set its threads; */

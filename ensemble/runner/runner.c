@@ -182,6 +182,7 @@ static enum rk_status work_and_leave(struct rk_crew *crew, struct rk_error *err)
     bool led = rk_ranks_number(crew->options->ranks) > 0;
     status = led ? work_as_led(crew, err) : review_and_work(crew, err);
     rk_crew_pulse_stop(crew, pulse);
+    rk_crew_sum_up(crew);
     note_effort(crew, since);
     if (!atomic_load(&crew->lost)) {
         enum rk_status left = leave(crew, status == RK_OK ? err : NULL);

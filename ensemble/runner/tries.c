@@ -62,10 +62,10 @@ static void say(const struct rk_run_hooks *hooks, const struct rk_plan *plan,
                 const struct rk_run *run, uint64_t retries, const char *failures) {
     const char *last = failures ? strrchr(failures, '\n') : NULL;
     char line[1024];
-    if (hooks->message && retries > 0) {
+    if (hooks->again && retries > 0) {
         snprintf(line, sizeof line, "run %s is tried again with %g of its time step: %s", run->id,
                  rk_retry_step(&plan->study->retry, retries), last ? last + 1 : failures);
-        hooks->message(hooks->context, line);
+        hooks->again(hooks->context, line);
     }
 }
 

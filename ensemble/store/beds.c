@@ -83,22 +83,40 @@ size_t rk_beds_count(const char *folder, const struct rk_plan *plan) {
     return count;
 }
 
-/* Of "<bed>.claim" and the like: its bed, if that is there. */
+/* Of "<bed>.claim" and the like: its bed. What its last writing left is of no use; the rest is
+ * until the bed is there. */
 static bool is_left_over(const char *folder, const char *file, char bed[RK_RUN_ID]) {
-    static const char *const endings[] = {".claim", ".ckpt", ".ckpt.old", ".ckpt.new"};
+    static const char *const endings[] = {".bed.new", ".bed.old",  ".claim",
+                                          ".ckpt",    ".ckpt.old", ".ckpt.new"};
+    enum { ENDINGS = sizeof endings / sizeof *endings, OF_WRITING = 2 };
     const char *dot = strchr(file, '.');
-    size_t length = dot ? (size_t)(dot - file) : 0;
-    bool mine = false;
-    for (size_t i = 0; dot && i < sizeof endings / sizeof *endings; i++) {
-        mine = mine || strcmp(dot, endings[i]) == 0;
+    size_t length = dot ? (size_t)(dot - file) : 0, k = 0;
+    while (dot && k < ENDINGS && strcmp(dot, endings[k]) != 0) {
+        k++;
     }
-    if (!mine || length == 0 || length >= RK_RUN_ID) {
+    if (!dot || k == ENDINGS || length == 0 || length >= RK_RUN_ID) {
         return false;
     }
     memcpy(bed, file, length);
     bed[length] = '\0';
     struct rk_bed_paths paths;
-    return rk_bed_paths_set(&paths, folder, bed, NULL) == RK_OK && rk_file_exists(paths.bed.text);
+    return k < OF_WRITING ||
+           (rk_bed_paths_set(&paths, folder, bed, NULL) == RK_OK && rk_file_exists(paths.bed.text));
+}
+
+static enum rk_status remove_left_over(const struct rk_bed_paths *paths, struct rk_error *err) {
+    static const char *const of_writing[] = {".new", ".old"};
+    enum rk_status status = RK_OK;
+    for (size_t i = 0; status == RK_OK && i < sizeof of_writing / sizeof *of_writing; i++) {
+        struct rk_path path;
+        status = rk_path_set(&path, err, "%s%s", paths->bed.text, of_writing[i]);
+        if (status == RK_OK) {
+            status = rk_file_remove(path.text, err);
+        }
+    }
+    return status == RK_OK && rk_file_exists(paths->bed.text)
+               ? rk_checkpoint_remove(paths->checkpoint.text, err)
+               : status;
 }
 
 static enum rk_status tidy(const struct rk_worker *me, const char *bed, struct rk_error *err) {
@@ -110,7 +128,7 @@ static enum rk_status tidy(const struct rk_worker *me, const char *bed, struct r
         status = rk_claim_take(me, &thing, &mine, NULL, err);
     }
     if (status == RK_OK && mine) {
-        status = rk_checkpoint_remove(paths.checkpoint.text, err);
+        status = remove_left_over(&paths, err);
         rk_claim_release(me, &thing, true, NULL); /* if not, it ends with this program */
     }
     return status;

@@ -48,7 +48,7 @@ enum rk_status rk_bed_write_failure(const struct rk_bed_paths *paths, const char
 /* How many of the beds of a plan there are. */
 size_t rk_beds_count(const char *folder, const struct rk_plan *plan);
 
-/* Remove what whoever was killed between the end of a bed and the tidying left beside it. */
+/* Remove what whoever was killed while it wrote a bed, or before it tidied, left beside it. */
 enum rk_status rk_beds_tidy(const struct rk_worker *me, struct rk_error *err);
 
 #endif

@@ -207,6 +207,19 @@ def damaged_checkpoints(work, reference):
     print("damaged checkpoints of a bed are said and done without: the same bytes")
 
 
+def killed_while_writing(work, reference):
+    """What stands beside a bed, or a bed that is not needed any more, half written."""
+    folder = work / "writing"
+    shutil.copytree(reference, folder)
+    whole = beds_of(folder)[0]
+    for name in (whole.name, "00000000000000000000000000000000-0000.bed"):
+        for ending in (".new", ".old"):
+            (folder / "beds" / (name + ending)).write_bytes(whole.read_bytes()[:100])
+    run(folder)
+    expect_same(folder, reference)
+    print("beds that were half written when their program was killed are tidied away")
+
+
 def extended(work, reference):
     """A point that comes later begins from the beds that are there, or from new ones if they are
     gone."""
@@ -261,6 +274,7 @@ def main():
         another_machine(work, reference)
         damage(work, reference)
         damaged_checkpoints(work, reference)
+        killed_while_writing(work, reference)
         extended(work, reference)
         beds_that_fail(work)
 

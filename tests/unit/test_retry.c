@@ -82,6 +82,18 @@ static void a_run_that_fails_is_tried_with_smaller_steps(void **state) {
                     "the bed would not come to rest");
 }
 
+/* A thousand of them would bury what else is said. */
+static void many_retries_are_counted(void **state) {
+    struct fixture *f = *state;
+    go_wrong(f);
+    f->study.replicas = 20;
+    ask(f, 0.5, 3);
+    expect_run(f, "out", 2);
+    assert_int_equal(f->messages, 10 + 1);
+    assert_string_equal(f->last, "and 50 more tries again with a smaller time step");
+    expect_facts(f, "out", 39, RK_RUN_DONE, 1, "");
+}
+
 /* As many samples at the same times as the others, four times the steps. */
 static void a_retry_is_sampled_like_the_others(void **state) {
     struct fixture *f = *state;
@@ -247,6 +259,7 @@ static void failed_runs_are_done_again_on_request(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_run_that_fails_is_tried_with_smaller_steps, make, clear),
+        cmocka_unit_test_setup_teardown(many_retries_are_counted, make, clear),
         cmocka_unit_test_setup_teardown(a_retry_is_sampled_like_the_others, make, clear),
         cmocka_unit_test_setup_teardown(a_report_counts_them, make, clear),
         cmocka_unit_test_setup_teardown(stops_and_threads_change_nothing, make, clear),
