@@ -29,11 +29,21 @@ struct making {
     uint64_t looked;           /* steps at the last look */
     double last_checkpoint;
     struct rk_error trouble; /* that a look met */
+    bool resting;
 };
 
 static bool stop_asked(const struct making *m) {
     const struct rk_run_hooks *hooks = m->wish->hooks;
     return hooks->stop && hooks->stop(hooks->context);
+}
+
+/* Lend the core that this thread would work on, and take it back. */
+static void rest(struct making *m, bool resting) {
+    const struct rk_run_hooks *hooks = m->wish->hooks;
+    if (hooks->rest && resting != m->resting) {
+        hooks->rest(hooks->context, resting);
+    }
+    m->resting = resting;
 }
 
 static void say(const struct making *m, const char *what, const struct rk_error *why) {
@@ -261,11 +271,17 @@ static enum rk_status take_or_make(struct making *m, struct rk_error *err) {
     return m->scene ? RK_OK : make(m, err);
 }
 
-static enum rk_status wait_a_little(const struct making *m, struct timespec *pause,
+/* The bed is being settled elsewhere. */
+static enum rk_status wait_a_little(struct making *m, struct timespec *pause,
                                     struct rk_error *err) {
+    const struct rk_run_hooks *hooks = m->wish->hooks;
     if (stop_asked(m)) {
         return rk_fail(err, RK_EINTERRUPTED, "stopped while waiting for a bed");
     }
+    if (hooks->put_off && hooks->put_off(hooks->context)) {
+        return rk_fail(err, RK_EINTERRUPTED, "put off until the bed is settled");
+    }
+    rest(m, true);
     nanosleep(pause, NULL);
     pause->tv_nsec = pause->tv_nsec < LONGEST_PAUSE / 2 ? 2 * pause->tv_nsec : LONGEST_PAUSE;
     return RK_OK;
@@ -293,6 +309,7 @@ static enum rk_status get(struct making *m, struct rk_error *err) {
         }
         status = worker ? rk_claim_take(worker, &m->claim, &mine, NULL, err) : RK_OK;
         if (status == RK_OK && mine) {
+            rest(m, false);
             status = take_or_make(m, err);
             give_back(m, status == RK_OK || status == RK_EUNSTABLE);
         } else if (status == RK_OK) {
@@ -315,6 +332,7 @@ enum rk_status rk_bed_begin(const struct rk_bed_wish *wish, struct rk_scene **sc
                                        : rk_fail(err, RK_EMEMORY, "not enough memory for a bed");
     if (status == RK_OK) {
         status = get(&m, err);
+        rest(&m, false);
     }
     if (status == RK_OK) {
         *preparation = m.preparation;

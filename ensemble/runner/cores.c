@@ -17,6 +17,29 @@ static size_t settle_threads(struct rk_berth *berth, const struct rk_scene *scen
     return threads;
 }
 
+static void add_working(struct rk_crew *crew, int berths) {
+    pthread_mutex_lock(&crew->mutex);
+    crew->working += (size_t)berths;
+    pthread_mutex_unlock(&crew->mutex);
+}
+
+void rk_crew_leave_core(struct rk_crew *crew) {
+    add_working(crew, -1);
+}
+
+void rk_crew_return_core(struct rk_crew *crew) {
+    add_working(crew, 1);
+}
+
+bool rk_crew_wants_back(struct rk_berth *berth) {
+    struct rk_crew *crew = berth->crew;
+    pthread_mutex_lock(&crew->mutex);
+    bool wanted =
+        rk_pace_held(&berth->pace) > 1 && crew->working + crew->lent > (size_t)crew->threads;
+    pthread_mutex_unlock(&crew->mutex);
+    return wanted;
+}
+
 void rk_crew_give_back(struct rk_berth *berth) {
     struct rk_crew *crew = berth->crew;
     pthread_mutex_lock(&crew->mutex);
@@ -30,7 +53,8 @@ void rk_crew_pace(struct rk_berth *berth, struct rk_scene *scene) {
     if (berth->fixed || rk_scene_grains(scene) < 2 * RK_PACE_GRAINS) {
         return;
     }
-    if (rk_scene_spec(scene)->threads == 0 && berth->pace.threads > 1) {
+    if ((rk_scene_spec(scene)->threads == 0 && berth->pace.threads > 1) ||
+        rk_crew_wants_back(berth)) {
         rk_crew_give_back(berth);
     }
     rk_scene_set_threads(scene, settle_threads(berth, scene), NULL);

@@ -84,6 +84,19 @@ static void between(void *context, struct rk_scene *scene) {
     rk_crew_pace(context, scene);
 }
 
+static void rest(void *context, bool resting) {
+    struct rk_crew *crew = ((struct rk_berth *)context)->crew;
+    if (resting) {
+        rk_crew_leave_core(crew);
+    } else {
+        rk_crew_return_core(crew);
+    }
+}
+
+static bool put_off(void *context) {
+    return rk_crew_put_off(context);
+}
+
 static bool tries(void *context) {
     return ((const struct rk_berth *)context)->pace.from > 0;
 }
@@ -124,6 +137,7 @@ static void begin(struct rk_berth *berth, size_t i) {
 static void end(struct rk_berth *berth, size_t i, bool finished) {
     struct rk_crew *crew = berth->crew;
     rk_crew_give_back(berth);
+    rk_crew_ended(berth, i);
     pthread_mutex_lock(&crew->mutex);
     berth->run = NULL;
     crew->progress.running--;
@@ -148,6 +162,8 @@ static enum rk_status carry_out(struct rk_berth *berth, size_t i, struct rk_erro
                                        .spare = spare,
                                        .between = between,
                                        .tries = tries,
+                                       .rest = rest,
+                                       .put_off = put_off,
                                        .holds = holds,
                                        .context = berth,
                                        .worker = crew->worker,
@@ -180,6 +196,7 @@ static void take_up(struct rk_berth *berth, size_t i) {
     bool mine;
     enum rk_status status = rk_claim_take(crew->worker, &thing, &mine, NULL, &why);
     if (status == RK_OK && !mine) {
+        rk_crew_ended(berth, i);
         crew->states[i] = RK_RUN_STARTED; /* elsewhere */
         berth->done = 0;
         return;
@@ -198,64 +215,16 @@ static void take_up(struct rk_berth *berth, size_t i) {
 
 /* ---- All of them ---- */
 
-/* Is this one of several ranks, and not the one that hands out? */
-static bool is_led(const struct rk_crew *crew) {
-    return rk_ranks_number(crew->options->ranks) > 0;
-}
-
-static bool next(struct rk_berth *berth, size_t *i) {
-    struct rk_crew *crew = berth->crew;
-    if (is_led(crew)) {
-        return rk_ranks_ask(crew->options->ranks, &berth->news, i) && *i < crew->plan->count;
-    }
-    pthread_mutex_lock(&crew->mutex);
-    bool found = crew->next < crew->count;
-    if (found) {
-        *i = crew->order[crew->next++];
-    }
-    pthread_mutex_unlock(&crew->mutex);
-    return found;
-}
-
-/* A run that is handed to another rank counts as being done elsewhere until it says what became of
- * it, or until its file does. */
-bool rk_crew_deal_out(void *context, const struct rk_ranks_news *news, size_t *run) {
-    struct rk_crew *crew = context;
-    bool over = rk_crew_stop(crew) || atomic_load(&crew->broken);
-    pthread_mutex_lock(&crew->mutex);
-    bool found = crew->dealing && !over && crew->next < crew->count;
-    if (found) {
-        *run = crew->order[crew->next++];
-        crew->states[*run] = RK_RUN_STARTED;
-    }
-    crew->progress.grain_steps += news->grain_steps;
-    if (news->run < crew->plan->count && crew->states[news->run] == RK_RUN_STARTED &&
-        (news->state == RK_RUN_DONE || news->state == RK_RUN_FAILED)) {
-        crew->states[news->run] = (uint8_t)news->state;
-        crew->progress.done += news->state == RK_RUN_DONE;
-        crew->progress.failed += news->state == RK_RUN_FAILED;
-    }
-    rk_crew_tell(crew, false);
-    pthread_mutex_unlock(&crew->mutex);
-    return found;
-}
-
-static void leave_core(struct rk_crew *crew) {
-    pthread_mutex_lock(&crew->mutex);
-    crew->working--;
-    pthread_mutex_unlock(&crew->mutex);
-}
-
 /* A stop request or a broken disk leaves the runs that have not begun. */
 static void *member(void *context) {
     struct rk_berth *berth = context;
     struct rk_crew *crew = berth->crew;
     berth->news.run = RK_RANKS_NONE;
-    for (size_t i; !stop(berth) && !atomic_load(&crew->broken) && next(berth, &i);) {
+    for (size_t i; !stop(berth) && !atomic_load(&crew->broken) && rk_crew_next(berth, &i);) {
         take_up(berth, i);
         berth->news = (struct rk_ranks_news){i, crew->states[i], berth->done};
     }
-    leave_core(crew);
+    rk_crew_leave_core(crew);
     return NULL;
 }
 
@@ -263,7 +232,7 @@ static void *member(void *context) {
  * calling thread is the first of them; a thread that is not to be had is done without. */
 enum rk_status rk_crew_work(struct rk_crew *crew, struct rk_error *err) {
     size_t threads = (size_t)crew->threads;
-    if (!is_led(crew) && crew->count < threads) {
+    if (!rk_crew_is_led(crew) && crew->count < threads) {
         threads = crew->count;
     }
     if (threads == 0) {
@@ -280,7 +249,7 @@ enum rk_status rk_crew_work(struct rk_crew *crew, struct rk_error *err) {
     for (size_t t = 1; t < threads; t++) {
         made[t] = pthread_create(&members[t], NULL, member, &crew->berths[t]) == 0;
         if (!made[t]) {
-            leave_core(crew);
+            rk_crew_leave_core(crew);
         }
     }
     member(&crew->berths[0]);

@@ -2,6 +2,7 @@
  *
  *     review.c    what is there already
  *     order.c     which runs are this program's to do, and in which order
+ *     queue.c     the next of them: not one whose bed is being settled, if there is another
  *     crew.c      threads that claim runs and carry them out
  *     tries.c     a run that goes wrong, and its retries (run.c: one of them)
  *     cores.c     which scenes get the cores of those that have nothing to do (pace.c: whether that
@@ -23,6 +24,16 @@
 
 struct rk_crew;
 
+/* A bed that is being settled, as far as is known: for a run that was handed out, until that ends
+ * or the bed is there; or by another program, until it is time to look again. */
+struct rk_settling {
+    uint64_t bed; /* of rk_plan_bed */
+    size_t run;   /* RK_SETTLING_AWAY: another program's */
+    double until; /* on the monotonic clock */
+};
+#define RK_SETTLING_AWAY SIZE_MAX
+enum { RK_SETTLING_MAX = 256 }; /* beyond that threads wait for beds though there is more to do */
+
 /* What may be said of a thousand runs, one after the other: the first few lines, then how many. */
 enum rk_crew_topic { RK_CREW_RETRIES, RK_CREW_ERRORS, RK_CREW_TOPICS };
 enum { RK_CREW_LINES = 10 };
@@ -32,6 +43,7 @@ struct rk_berth {
     struct rk_crew *crew;
     const struct rk_run *run;  /* NULL between two runs */
     double done, spared;       /* grain-steps of it, carried out and found not to be needed */
+    bool put_off;              /* it goes back to the others: its bed is not there yet */
     bool fixed;                /* the study says how many threads its scene has; */
     struct rk_pace pace;       /* if not, what pays */
     struct rk_ranks_news news; /* for rank 0; the thread's own */
@@ -63,6 +75,8 @@ struct rk_crew {
     size_t said[RK_CREW_TOPICS];
     size_t *order; /* the runs to do now, a part of share[] */
     size_t count, next;
+    struct rk_settling settling[RK_SETTLING_MAX];
+    size_t settling_count;
     bool dealing;         /* also to other ranks */
     pthread_cond_t ended; /* of the work: the pulse need not wait its turn */
     bool over;
@@ -89,12 +103,27 @@ enum rk_status rk_crew_set_aside(struct rk_crew *crew, const struct rk_run *run,
 enum rk_status rk_crew_deal(struct rk_crew *crew, struct rk_error *err);
 void rk_crew_list(struct rk_crew *crew, enum rk_run_state state);
 
+/* The next run for a berth; false: there is none. It has ended, whatever it came to. */
+bool rk_crew_next(struct rk_berth *berth, size_t *i);
+void rk_crew_ended(struct rk_berth *berth, size_t i);
+/* The bed of the berth's run is being settled elsewhere: if there is a run that need not wait, the
+ * berth's is to be put off. */
+bool rk_crew_put_off(struct rk_berth *berth);
+
+/* Is this one of several ranks, and not the one that hands out? */
+bool rk_crew_is_led(const struct rk_crew *crew);
+
 /* Carry out what order[] lists. */
 enum rk_status rk_crew_work(struct rk_crew *crew, struct rk_error *err);
 
 /* Between two steps of a berth's scene: give it the threads that pay, of those that are idle. */
 void rk_crew_pace(struct rk_berth *berth, struct rk_scene *scene);
 void rk_crew_give_back(struct rk_berth *berth);
+/* Is a core that was lent to the berth's scene wanted by who lent it? */
+bool rk_crew_wants_back(struct rk_berth *berth);
+/* A berth has no use for its core, and has one again. */
+void rk_crew_leave_core(struct rk_crew *crew);
+void rk_crew_return_core(struct rk_crew *crew);
 
 /* Rank 0: what another rank is to do next, and what it has done. `context` is the crew. */
 bool rk_crew_deal_out(void *context, const struct rk_ranks_news *news, size_t *run);

@@ -22,7 +22,10 @@ struct rk_run_hooks {
     void (*advance)(void *context, double grain_steps);     /* so much was just done */
     void (*spare)(void *context, double grain_steps);       /* so much of its cost is not needed */
     void (*between)(void *context, struct rk_scene *scene); /* two steps: may set its threads; */
-    bool (*tries)(void *context); /* asked then: is it to be called again soon? */
+    bool (*tries)(void *context);              /* asked then: is it to be called again soon? */
+    void (*rest)(void *context, bool resting); /* waits, without a use for its core, or no more */
+    bool (*put_off)(void *context); /* asked while the bed is settled elsewhere: is there something
+                                       better to do than to wait? */
     bool (*holds)(void *context); /* asked before files change: is the run still this program's? */
     void *context;
     const struct rk_worker *worker; /* whose claims on beds are; NULL: nobody else is at work */
@@ -38,9 +41,9 @@ struct rk_try {
 
 /* Carry out a try of a run in a study folder (which must have its "runs"). RK_OK: its file is
  * there, and *failed tells whether it records a failure. RK_EINTERRUPTED: stopped on request, with
- * a checkpoint of the run, or of its bed while that was settling. RK_ECONFLICT: it is another
- * program's by now. RK_EINVALID, RK_EMEMORY, RK_EIO: it could not be carried out; what it had so
- * far is kept as it is. */
+ * a checkpoint of the run, or of its bed while that was settling; or put off before it began.
+ * RK_ECONFLICT: it is another program's by now. RK_EINVALID, RK_EMEMORY, RK_EIO: it could not be
+ * carried out; what it had so far is kept as it is. */
 enum rk_status rk_run_execute(const char *folder, const struct rk_plan *plan,
                               const struct rk_run *run, const struct rk_try *try,
                               const struct rk_run_hooks *hooks, bool *failed, struct rk_error *err);

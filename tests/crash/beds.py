@@ -147,6 +147,28 @@ def another_machine(work, reference):
     print("a bed that a program elsewhere settles is waited for until that falls silent")
 
 
+def other_work_first(work, reference):
+    """While a program elsewhere settles a bed the runs of other beds are done: nobody waits."""
+    folder = work / "meanwhile"
+    shutil.copytree(reference, folder)
+    shutil.rmtree(folder / "runs")
+    first = beds_of(folder)[0]
+    first.unlink()
+    record = other_machine(folder, f"beds/{first.stem}", silence=10)
+    replica = first.stem[-4:]
+    process = start(folder, "--threads", "1")
+    wait_for(lambda: len(list(folder.glob("runs/*.h5"))) == len(POINTS))
+    assert not list(folder.glob(f"runs/*-{replica}.h5")) and not first.exists()
+    time.sleep(0.3)
+    assert process.poll() is None and len(list(folder.glob("runs/*.h5"))) == len(POINTS)
+    then = time.time() - 600
+    os.utime(record, (then, then))
+    said = process.communicate()[1]
+    assert process.returncode == 0, said
+    expect_same(folder, reference)
+    print("runs whose bed is settled elsewhere come after those that need not wait")
+
+
 def damage(work, reference):
     """Beds cut, with a bit flipped, of another name, empty: set aside, said, settled again."""
     folder = work / "damaged"
@@ -272,6 +294,7 @@ def main():
         settled_once(work, reference)
         two_shards(work, reference)
         another_machine(work, reference)
+        other_work_first(work, reference)
         damage(work, reference)
         damaged_checkpoints(work, reference)
         killed_while_writing(work, reference)
