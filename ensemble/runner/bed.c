@@ -8,9 +8,6 @@
 #include <string.h>
 #include <time.h>
 
-/* Grain-steps between two looks at the stop request and the clock: some 10 ms. */
-static const double look_grain_steps = 3e5;
-
 /* Nanoseconds between two looks whether a bed is there that another settles: at first and at most,
  * so that many who wait do not keep the file system busy. */
 enum { FIRST_PAUSE = 5000000, LONGEST_PAUSE = 500000000 };
@@ -32,11 +29,6 @@ struct making {
     bool resting;
 };
 
-static bool stop_asked(const struct making *m) {
-    const struct rk_run_hooks *hooks = m->wish->hooks;
-    return hooks->stop && hooks->stop(hooks->context);
-}
-
 /* Lend the core that this thread would work on, and take it back. */
 static void rest(struct making *m, bool resting) {
     const struct rk_run_hooks *hooks = m->wish->hooks;
@@ -44,15 +36,6 @@ static void rest(struct making *m, bool resting) {
         hooks->rest(hooks->context, resting);
     }
     m->resting = resting;
-}
-
-static void say(const struct making *m, const char *what, const struct rk_error *why) {
-    const struct rk_run_hooks *hooks = m->wish->hooks;
-    if (hooks->message) {
-        char line[1024];
-        snprintf(line, sizeof line, "bed of run %s: %s (%s)", m->wish->run->id, what, why->message);
-        hooks->message(hooks->context, line);
-    }
 }
 
 static enum rk_status still_ours(const struct making *m, struct rk_error *err) {
@@ -70,30 +53,11 @@ static void forget_scene(struct making *m) {
 
 /* ---- A state and a scene ---- */
 
-static enum rk_status pack(const struct making *m, struct rk_checkpoint *into,
-                           struct rk_error *err) {
-    size_t size = rk_scene_packed_size(m->scene);
-    void *state = size <= into->size ? into->state : realloc(into->state, size);
-    if (!state) {
-        return rk_fail(err, RK_EMEMORY, "not enough memory for the bed of run %s",
-                       m->wish->run->id);
-    }
-    rk_scene_pack(m->scene, state);
-    *into = (struct rk_checkpoint){.step = rk_scene_steps(m->scene),
-                                   .preparation = m->preparation,
-                                   .state = state,
-                                   .size = size};
-    return RK_OK;
-}
-
 /* The state is freed in any case. */
 static enum rk_status unpack(struct making *m, struct rk_checkpoint *from, struct rk_error *err) {
     enum rk_status status = m->wish->scene_case->box(m->prepared, &m->scene, err);
     if (status == RK_OK) {
-        status = rk_scene_unpack(m->scene, from->state, from->size, err);
-    }
-    if (status == RK_OK && rk_scene_steps(m->scene) != from->step) {
-        status = rk_fail(err, RK_EFORMAT, "the state is not of its step");
+        status = rk_checkpoint_unpack(from, m->scene, err);
     }
     free(from->state);
     from->state = NULL;
@@ -135,13 +99,9 @@ static enum rk_status set_aside(const struct making *m, const struct rk_error *w
         status = rk_fail_system(err, "rename", m->paths.bed.text);
     }
     if (status == RK_OK) {
-        char line[1024];
-        snprintf(line, sizeof line,
-                 "bed %s is settled again, its file is kept as '%s.bed.damaged': %s", m->name,
-                 m->name, why->message);
-        if (m->wish->hooks->message) {
-            m->wish->hooks->message(m->wish->hooks->context, line);
-        }
+        rk_hooks_say(m->wish->hooks,
+                     "bed %s is settled again, its file is kept as '%s.bed.damaged': %s", m->name,
+                     m->name, why->message);
     }
     return status;
 }
@@ -150,7 +110,7 @@ static enum rk_status set_aside(const struct making *m, const struct rk_error *w
 
 static enum rk_status checkpoint(struct making *m, struct rk_error *err) {
     const struct rk_origin origin = rk_bed_origin(m->name);
-    enum rk_status status = pack(m, &m->here, err);
+    enum rk_status status = rk_checkpoint_pack(&m->here, m->scene, &m->preparation, err);
     if (status == RK_OK) {
         status = still_ours(m, err);
     }
@@ -162,12 +122,9 @@ static enum rk_status checkpoint(struct making *m, struct rk_error *err) {
 }
 
 static void advance(struct making *m) {
-    const struct rk_run_hooks *hooks = m->wish->hooks;
     uint64_t steps = rk_scene_steps(m->scene);
-    if (hooks->advance) {
-        hooks->advance(hooks->context,
-                       (double)(steps - m->looked) * (double)rk_scene_grains(m->scene));
-    }
+    rk_hooks_advance(m->wish->hooks,
+                     (double)(steps - m->looked) * (double)rk_scene_grains(m->scene));
     m->looked = steps;
 }
 
@@ -177,25 +134,20 @@ static bool look(void *context) {
     double grains = (double)rk_scene_grains(m->scene) + 1;
     enum rk_status status = RK_OK;
     if (m->preparation.state == RK_PREPARED_NEXT) {
-        status = pack(m, &m->eve, &m->trouble);
+        status = rk_checkpoint_pack(&m->eve, m->scene, &m->preparation, &m->trouble);
     }
     if (status != RK_OK ||
-        (double)(rk_scene_steps(m->scene) - m->looked) * grains < look_grain_steps) {
+        (double)(rk_scene_steps(m->scene) - m->looked) * grains < RK_LOOK_GRAIN_STEPS) {
         return status != RK_OK;
     }
     advance(m);
-    if (stop_asked(m)) {
-        return true;
-    }
-    return rk_clock() - m->last_checkpoint >= m->wish->hooks->checkpoint_every &&
-           checkpoint(m, &m->trouble) != RK_OK;
+    return rk_hooks_stop(m->wish->hooks, NULL) != RK_OK ||
+           (rk_hooks_is_due(m->wish->hooks, m->last_checkpoint) &&
+            checkpoint(m, &m->trouble) != RK_OK);
 }
 
 static void between(void *context, struct rk_scene *scene) {
-    const struct rk_run_hooks *hooks = ((struct making *)context)->wish->hooks;
-    if (hooks->between) {
-        hooks->between(hooks->context, scene);
-    }
+    rk_hooks_between(((struct making *)context)->wish->hooks, scene);
 }
 
 /* The scene where a checkpoint left it, or with its grains as they are strewn. */
@@ -213,7 +165,8 @@ static enum rk_status begin(struct making *m, struct rk_error *err) {
             return RK_OK;
         }
         if (status == RK_EFORMAT) {
-            say(m, "its checkpoint cannot be used", &why);
+            rk_hooks_say(m->wish->hooks, "bed of run %s: its checkpoint cannot be used (%s)",
+                         m->wish->run->id, why.message);
         } else if (status != RK_OK) {
             return rk_fail_as(err, &why);
         }
@@ -275,8 +228,9 @@ static enum rk_status take_or_make(struct making *m, struct rk_error *err) {
 static enum rk_status wait_a_little(struct making *m, struct timespec *pause,
                                     struct rk_error *err) {
     const struct rk_run_hooks *hooks = m->wish->hooks;
-    if (stop_asked(m)) {
-        return rk_fail(err, RK_EINTERRUPTED, "stopped while waiting for a bed");
+    enum rk_status status = rk_hooks_stop(hooks, err);
+    if (status != RK_OK) {
+        return status;
     }
     if (hooks->put_off && hooks->put_off(hooks->context)) {
         return rk_fail(err, RK_EINTERRUPTED, "put off until the bed is settled");
@@ -291,7 +245,8 @@ static void give_back(const struct making *m, bool finished) {
     const struct rk_worker *worker = m->wish->hooks->worker;
     struct rk_error why = RK_NO_ERROR;
     if (worker && rk_claim_release(worker, &m->claim, finished, &why) != RK_OK) {
-        say(m, "others may wait for it", &why);
+        rk_hooks_say(m->wish->hooks, "bed of run %s: others may wait for it (%s)", m->wish->run->id,
+                     why.message);
     }
 }
 

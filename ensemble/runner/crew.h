@@ -4,7 +4,9 @@
  *     order.c     which runs are this program's to do, and in which order
  *     queue.c     the next of them: not one whose bed is being settled, if there is another
  *     crew.c      threads that claim runs and carry them out
- *     tries.c     a run that goes wrong, and its retries (run.c: one of them)
+ *     tries.c     a run that goes wrong, and its retries (run.c: one of them, recorder.c: what it
+ *                 writes down, run_files.c: where; bed.c: what it begins from)
+ *     hooks.c     what these tell and ask
  *     cores.c     which scenes get the cores of those that have nothing to do (pace.c: whether that
  *                 pays)
  *     pulse.c     signs of life and progress

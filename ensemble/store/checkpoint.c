@@ -19,6 +19,27 @@ struct header {
 };
 static const uint64_t magic = 0x3274706b63736b52; /* "Rksckpt2" */
 
+enum rk_status rk_checkpoint_pack(struct rk_checkpoint *into, const struct rk_scene *scene,
+                                  const struct rk_preparation *preparation, struct rk_error *err) {
+    size_t size = rk_scene_packed_size(scene);
+    void *state = size <= into->size ? into->state : realloc(into->state, size);
+    if (!state) {
+        return rk_fail(err, RK_EMEMORY, "not enough memory for a checkpoint of %zu bytes", size);
+    }
+    rk_scene_pack(scene, state);
+    *into = (struct rk_checkpoint){
+        .step = rk_scene_steps(scene), .preparation = *preparation, .state = state, .size = size};
+    return RK_OK;
+}
+
+enum rk_status rk_checkpoint_unpack(const struct rk_checkpoint *checkpoint, struct rk_scene *scene,
+                                    struct rk_error *err) {
+    enum rk_status status = rk_scene_unpack(scene, checkpoint->state, checkpoint->size, err);
+    return status == RK_OK && rk_scene_steps(scene) != checkpoint->step
+               ? rk_fail(err, RK_EFORMAT, "the checkpoint's state is not of its step")
+               : status;
+}
+
 static struct header header_of(const struct rk_origin *origin, const struct rk_checkpoint *c) {
     struct header header;
     memset(&header, 0, sizeof header); /* padding included */

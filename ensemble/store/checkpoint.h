@@ -22,6 +22,15 @@ struct rk_checkpoint {
 
 enum { RK_CHECKPOINT_GENERATIONS = 2 };
 
+/* Fill one with a scene as it stands; `into` begins zeroed, and its state is used again as long as
+ * it has room. RK_EMEMORY. */
+enum rk_status rk_checkpoint_pack(struct rk_checkpoint *into, const struct rk_scene *scene,
+                                  const struct rk_preparation *preparation, struct rk_error *err);
+
+/* Put its state into a scene that is empty (as of rk_case_empty). RK_EFORMAT, RK_EMEMORY. */
+enum rk_status rk_checkpoint_unpack(const struct rk_checkpoint *checkpoint, struct rk_scene *scene,
+                                    struct rk_error *err);
+
 /* Write one at `path`, the last one becoming "<path>.old". RK_EIO, RK_EMEMORY. */
 enum rk_status rk_checkpoint_write(const char *path, const struct rk_origin *origin,
                                    const struct rk_checkpoint *checkpoint, struct rk_error *err);
