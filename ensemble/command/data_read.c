@@ -91,7 +91,9 @@ enum rk_status rk_data_spare(const char *operand, const char *plot, const char *
 static enum rk_status read_run(const char *operand, const struct rk_data_options *o,
                                struct rk_data *data, struct rk_error *err) {
     struct rk_observable recorded;
-    enum rk_status status = rk_store_read_file(operand, o->observable, &recorded, err);
+    const struct rk_span span = {o->from, o->to};
+    enum rk_status status = o->forces ? rk_store_read_file_forces(operand, &span, &recorded, err)
+                                      : rk_store_read_file(operand, o->observable, &recorded, err);
     if (status != RK_OK) {
         return status;
     }
@@ -196,9 +198,12 @@ static enum rk_status gather(const char *folder, const struct rk_plan *plan, siz
     const struct rk_study *study = plan->study;
     const struct rk_point *point = &study->points[p];
     struct rk_gathered g = {0};
-    enum rk_status status = rk_gather(folder, plan, p, o->observable, &notice, &g, err);
+    const struct rk_span span = {o->from, o->to};
+    enum rk_status status = o->forces ? rk_gather_forces(folder, plan, p, &span, &notice, &g, err)
+                                      : rk_gather(folder, plan, p, o->observable, &notice, &g, err);
     if (status == RK_OK && g.done == 0) {
-        status = rk_fail(err, RK_EIO, "no run of point '%s' is done yet", point->name);
+        status = rk_fail(err, RK_EIO, "no run of point '%s' is done yet, or none can be used",
+                         point->name);
     }
     if (status == RK_OK) {
         if (g.failed + g.missing > 0) {

@@ -211,7 +211,8 @@ const struct rk_command rk_command_resonance = {
     .about =
         "Fits h/(1 + ((T - T0)/w)^2) to the mean rates of the points of a study, which differ in\n"
         "the period, or of a CSV file with one row a replica. Intervals of position, height and\n"
-        "width by bootstrap over the replicas of each period, paired where they begin from one bed.",
+        "width by bootstrap over the replicas of each period, paired where they begin from one "
+        "bed.",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .size = sizeof(struct resonance_options),

@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "ensemble/store/columns.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 struct rk_recorder rk_recorder_of(const struct rk_case *scene_case, const void *params) {
@@ -14,9 +15,12 @@ void rk_recorder_close(struct rk_recorder *r) {
     rk_spool_close(r->spool);
     free(r->row);
     free(r->frame);
+    free(r->contacts);
     r->spool = NULL;
     r->row = NULL;
     r->frame = NULL;
+    r->contacts = NULL;
+    r->contact_room = 0;
 }
 
 struct rk_spool_shape rk_recorder_shape(const struct rk_recorder *r, const struct rk_scene *scene,
@@ -53,8 +57,40 @@ static enum rk_status record_row(struct rk_recorder *r, const struct rk_scene *s
     return rk_spool_row(r->spool, rk_scene_steps(scene), r->row, err);
 }
 
+static struct rk_spool_contact contact_of(const struct rk_scene *scene, size_t i) {
+    struct rk_contact c;
+    rk_scene_contact(scene, i, &c);
+    return (struct rk_spool_contact){.first = (int32_t)c.first,
+                                     .second = c.wall ? -1 - (int32_t)c.second : (int32_t)c.second,
+                                     .angle = (float)atan2(c.normal[1], c.normal[0]),
+                                     .normal = (float)c.fn,
+                                     .tangential = (float)c.ft};
+}
+
+static enum rk_status record_contacts(struct rk_recorder *r, const struct rk_scene *scene,
+                                      struct rk_error *err) {
+    size_t count = rk_scene_contacts(scene);
+    if (count > r->contact_room) {
+        free(r->contacts);
+        r->contact_room = 2 * count;
+        r->contacts = rk_array_create(r->contact_room, sizeof *r->contacts);
+        if (!r->contacts) {
+            r->contact_room = 0;
+            return rk_fail(err, RK_EMEMORY, "not enough memory to record the contacts of a run");
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        r->contacts[i] = contact_of(scene, i);
+    }
+    return rk_spool_contacts(r->spool, rk_scene_steps(scene), r->contacts, count, err);
+}
+
 enum rk_status rk_recorder_frame(struct rk_recorder *r, const struct rk_scene *scene,
                                  struct rk_error *err) {
+    enum rk_status status = r->schedule.contacts ? record_contacts(r, scene, err) : RK_OK;
+    if (status != RK_OK) {
+        return status;
+    }
     size_t n = rk_scene_grains(scene);
     struct rk_snapshot columns = {.position = r->frame, .velocity = r->frame + 2 * n};
     if (rk_scene_rotates(scene)) {

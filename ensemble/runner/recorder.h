@@ -1,5 +1,5 @@
-/* What a run writes down while it goes: samples of the probes and frames of the grains, to its
- * spool. Recording happens between steps and sees the scene as const.
+/* What a run writes down while it goes: samples of the probes and frames of the grains and
+ * their contacts, to its spool. Recording happens between steps and sees the scene as const.
  */
 #ifndef RK_ENSEMBLE_RUNNER_RECORDER_H
 #define RK_ENSEMBLE_RUNNER_RECORDER_H
@@ -10,9 +10,11 @@ struct rk_recorder {
     const struct rk_case *scene_case;
     struct rk_schedule schedule;
     struct rk_focus focus;
-    struct rk_spool *spool; /* the recorder's, as are the next two */
+    struct rk_spool *spool; /* the recorder's, as are the next three */
     double *row;
     float *frame;
+    struct rk_spool_contact *contacts;
+    size_t contact_room;
 };
 
 struct rk_recorder rk_recorder_of(const struct rk_case *scene_case, const void *params);
@@ -34,7 +36,7 @@ uint64_t rk_recorder_next(const struct rk_recorder *recorder, uint64_t step);
  * for anything. RK_EIO. */
 enum rk_status rk_recorder_record(struct rk_recorder *recorder, const struct rk_scene *scene,
                                   struct rk_error *err);
-/* Record a frame. */
+/* Record a frame, with the contacts if the schedule asks for them. */
 enum rk_status rk_recorder_frame(struct rk_recorder *recorder, const struct rk_scene *scene,
                                  struct rk_error *err);
 /* Does this step have a frame? The last step of a run is given one too, which a longer run would

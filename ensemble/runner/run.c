@@ -56,15 +56,23 @@ static void forget_scene(struct work *w) {
     w->scene = NULL;
 }
 
+/* A scene that comes from a checkpoint knows its forces when it has made a step. Where they belong
+ * to the frame of the last step, the last checkpoint is of use to a longer run only. */
+static bool wants_forces(const struct rk_recorder *recorder, uint64_t step) {
+    return recorder->schedule.contacts && step == recorder->schedule.steps &&
+           !rk_recorder_is_frame(recorder, step);
+}
+
 /* Scene and spool as one generation of the checkpoint left them. *found is false, with RK_OK, when
- * there is no such generation. */
+ * there is no such generation that can be gone on from. */
 static enum rk_status resume_from(struct work *w, int generation, bool *found,
                                   struct rk_error *err) {
     struct rk_checkpoint c;
     enum rk_status status =
         rk_checkpoint_read(w->paths.checkpoint.text, generation, &w->origin, &c, err);
-    *found = status == RK_OK && c.state;
+    *found = status == RK_OK && c.state && !wants_forces(&w->recorder, c.step);
     if (!*found) {
+        free(c.state);
         return status;
     }
     status = rk_case_empty(w->scene_case, w->params, &w->scene, err);

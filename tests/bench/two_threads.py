@@ -8,15 +8,16 @@ gives: what they lose against one is no business of the runner's. Of every turn:
 
     clock       seconds from start to end; depends on who else is at work on the machine
     CPU         user and system time of all threads
-    busy        share of the cores' time that the threads used, of the time for which they were not
-                waiting for a core: what they lose to disks, locks, one another and uneven ends
+    busy        share of the time that the threads used of the time for which they were not waiting
+                for a core, until each has nothing left to do: what disks and locks cost
 
-The work of two over that of one on cores that nobody else uses is twice the ratio of the CPU times
-times the ratio of the shares ("two cores"). Medians over turns, with the quartiles.
+Twice the ratio of the CPU times times that of the shares is by how much two are faster than one as
+long as both have something to do ("on two cores"); it depends on other work far less than the clock
+does. Medians over turns, with the quartiles.
 """
 import argparse
 import pathlib
-import shutil
+import resource
 import statistics
 import subprocess
 import tempfile
@@ -34,18 +35,22 @@ class Program:
         self.end, self.threads = None, {}
 
     def look(self):
+        now = time.monotonic()
         for task in pathlib.Path(f"/proc/{self.process.pid}/task").glob("*"):
             try:
                 used, waited, _ = map(int, (task / "schedstat").read_text().split())
             except (OSError, ValueError):
                 continue  # it has ended just now
-            self.threads[task.name] = (used / 1e9, waited / 1e9)
+            before = self.threads.get(task.name, (0, 0, 0))
+            if used / 1e9 > before[0] + SAMPLE / 100:
+                self.threads[task.name] = (used / 1e9, waited / 1e9, now - self.begin)
         if self.process.poll() is not None:
-            self.end = time.monotonic()
+            self.end = now
         return self.end is None
 
     def workers(self, count):
-        """Those of most work: the others give signs of life."""
+        """Those of most work, the others give signs of life: time used, waited for a core, and in
+        all until there was nothing left to do."""
         return sorted(self.threads.values())[-count:]
 
 
@@ -58,25 +63,24 @@ def carry_out(commands, threads):
     assert all(program.process.returncode == 0 for program in programs), commands
     elapsed = max(program.end for program in programs) - before[0]
     workers = [worker for program in programs for worker in program.workers(threads)]
-    had = sum(elapsed - waited for _, waited in workers)
-    return elapsed, sum(children()) - before[1], sum(used for used, _ in workers) / had
+    had = sum(until - waited for _, waited, until in workers)
+    return elapsed, sum(children()) - before[1], sum(used for used, _, _ in workers) / had
 
 
 def children():
-    import resource
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage.ru_utime, usage.ru_stime
 
 
-def ways(reckon, study):
-    def run(folder, *more):
-        return [reckon, "run", study, "-o", folder, "--quiet", *more]
+def ways(reckon, study, folder):
+    def run(name, *more):
+        return [str(reckon), "run", str(study), "-o", f"{folder}/{name}", "--quiet", *more]
 
-    return {
-        "one thread": ([run("one", "-j", "1")], 1),
-        "two threads": ([run("two", "-j", "2")], 2),
-        "two programs": ([run(f"half{i}", "-j", "1", "--shard", f"{i}/2") for i in (1, 2)], 1),
-    }
+    return [
+        ("one thread", [run("one", "-j", "1")], 1),
+        ("two threads", [run("two", "-j", "2")], 2),
+        ("two programs", [run(f"half{i}", "-j", "1", "--shard", f"{i}/2") for i in (1, 2)], 1),
+    ]
 
 
 def quartiles(values):
@@ -105,14 +109,12 @@ def main():
     turns = []
     for k in range(options.turns):
         turns.append({})
-        these = list(ways(str(options.reckon.resolve()), str(options.study.resolve())).items())
-        for way, (commands, threads) in these[k % 3:] + these[:k % 3]:
-            with tempfile.TemporaryDirectory(prefix="rk-threads-") as folder:
-                for command in commands:
-                    command[command.index("-o") + 1] = f"{folder}/{command[command.index('-o') + 1]}"
+        with tempfile.TemporaryDirectory(prefix="rk-threads-") as folder:
+            these = ways(options.reckon.resolve(), options.study.resolve(), folder)
+            for way, commands, threads in these[k % 3:] + these[:k % 3]:
                 turns[-1][way] = carry_out(commands, threads)
-            print("turn {}, {:12}  clock {:6.2f} s  CPU {:6.2f} s  busy {:5.1%}".format(
-                k + 1, way, *turns[-1][way]), flush=True)
+                print("turn {}, {:12}  clock {:6.2f} s  CPU {:6.2f} s  busy {:5.1%}".format(
+                    k + 1, way, *turns[-1][way]), flush=True)
     compare(turns, "two threads")
     compare(turns, "two programs")
 
