@@ -137,7 +137,6 @@ static void begin(struct rk_berth *berth, size_t i) {
 static void end(struct rk_berth *berth, size_t i, bool finished) {
     struct rk_crew *crew = berth->crew;
     rk_crew_give_back(berth);
-    rk_crew_ended(berth, i);
     pthread_mutex_lock(&crew->mutex);
     berth->run = NULL;
     crew->progress.running--;
@@ -196,7 +195,6 @@ static void take_up(struct rk_berth *berth, size_t i) {
     bool mine;
     enum rk_status status = rk_claim_take(crew->worker, &thing, &mine, NULL, &why);
     if (status == RK_OK && !mine) {
-        rk_crew_ended(berth, i);
         crew->states[i] = RK_RUN_STARTED; /* elsewhere */
         berth->done = 0;
         return;
@@ -222,6 +220,7 @@ static void *member(void *context) {
     berth->news.run = RK_RANKS_NONE;
     for (size_t i; !stop(berth) && !atomic_load(&crew->broken) && rk_crew_next(berth, &i);) {
         take_up(berth, i);
+        rk_crew_ended(berth, i);
         berth->news = (struct rk_ranks_news){i, crew->states[i], berth->done};
     }
     rk_crew_leave_core(crew);

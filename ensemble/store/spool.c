@@ -120,10 +120,6 @@ enum rk_status rk_spool_create(const char *path, const struct rk_spool_shape *sh
     spool->length = sizeof header;
     if (fwrite(&header, sizeof header, 1, spool->file) != 1) {
         status = fail_file(spool, "write", err);
-    } else {
-        status = rk_file_sync_folder_of(path, err);
-    }
-    if (status != RK_OK) {
         rk_spool_close(spool);
         return status;
     }

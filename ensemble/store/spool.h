@@ -24,7 +24,9 @@ struct rk_spool_shape {
 
 struct rk_spool;
 
-/* A new, empty spool; one that is there is overwritten. RK_EIO, RK_EMEMORY. */
+/* A new, empty spool; one that is there is overwritten. It needs to survive a power cut only with
+ * the first checkpoint that names it, in the same folder, whose writing makes both names permanent.
+ * RK_EIO, RK_EMEMORY. */
 enum rk_status rk_spool_create(const char *path, const struct rk_spool_shape *shape,
                                struct rk_spool **spool, struct rk_error *err);
 

@@ -124,7 +124,15 @@ static enum rk_status inspect(const char *folder, const struct rk_plan *plan, bo
         return status;
     }
     bool there = rk_file_exists(path.text);
-    status = there ? rk_plan_file_match(folder, plan, err) : only_beginnings(folder, err);
+    if (!there) {
+        struct rk_error why = RK_NO_ERROR;
+        status = only_beginnings(folder, &why);
+        there = rk_file_exists(path.text); /* another program may just have made it a study's */
+        status = status == RK_OK || there ? RK_OK : rk_fail_as(err, &why);
+    }
+    if (there) {
+        status = rk_plan_file_match(folder, plan, err);
+    }
     bool lost = status != RK_OK && (!there || status == RK_EFORMAT);
     *mended = lost && is_mendable(folder, plan, there);
     return *mended ? RK_OK : status;

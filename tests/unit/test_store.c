@@ -8,6 +8,7 @@
 #include "scratch.h"
 #include "shaker_study.h"
 
+#include <dirent.h>
 #include <hdf5.h>
 #include <math.h>
 #include <setjmp.h>
@@ -43,6 +44,42 @@ static void a_strange_folder_is_refused_and_not_touched(void **state) {
     char *kept = scratch_read(scratch_path(f->folder, "mine/study.yaml"), &size);
     assert_true(size == 8 && memcmp(kept, "precious", 8) == 0);
     free(kept);
+}
+
+/* Another program that makes the folder a study's between two looks of this one: the linker puts
+ * this around the listing of a folder. */
+static const char *made_meanwhile;
+static const struct rk_plan *plan_meanwhile;
+
+DIR *__real_opendir(const char *path);
+DIR *__wrap_opendir(const char *path);
+
+DIR *__wrap_opendir(const char *path) {
+    const char *folder = made_meanwhile;
+    made_meanwhile = NULL;
+    if (folder) {
+        struct rk_store *other;
+        assert_int_equal(rk_store_open(folder, plan_meanwhile, &other, NULL), RK_OK);
+        rk_store_close(other);
+    }
+    return __real_opendir(path);
+}
+
+static void two_may_make_a_folder_at_once(void **state) {
+    struct fixture *f = *state;
+    struct rk_store *store;
+    struct rk_error err = RK_NO_ERROR;
+    char folder[200];
+    snprintf(folder, sizeof folder, "%s", scratch_path(f->folder, "out"));
+    mkdir(folder, 0777);
+    plan_meanwhile = f->plan;
+    made_meanwhile = folder;
+    enum rk_status status = rk_store_open(folder, f->plan, &store, &err);
+    assert_string_equal(err.message, "");
+    assert_int_equal(status, RK_OK);
+    assert_null(made_meanwhile);
+    rk_store_close(store);
+    expect_run(f, "out", 1);
 }
 
 static void another_studys_folder_is_refused(void **state) {
@@ -592,6 +629,7 @@ static void a_full_disk_is_told_and_overcome(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(a_strange_folder_is_refused_and_not_touched, make, clear),
+        cmocka_unit_test_setup_teardown(two_may_make_a_folder_at_once, make, clear),
         cmocka_unit_test_setup_teardown(another_studys_folder_is_refused, make, clear),
         cmocka_unit_test_setup_teardown(a_changed_study_is_told_what_differs, make, clear),
         cmocka_unit_test_setup_teardown(a_folder_at_work_does_not_grow, make, clear),
