@@ -3,6 +3,7 @@
  *     <bed>.bed            the bed, whole or not there; <bed> is of rk_bed_of (ensemble/study.h)
  *     <bed>.ckpt, .old     while it is being settled: where that stands
  *     <bed>.claim          while it is being settled: by whom (claim.h)
+ *     <bed>.bed.new        while it is being written
  *     <bed>.bed.damaged    a bed that could not be used
  *
  * A bed is a checkpoint (checkpoint.h) of the scene a stride before it has come to rest: whoever
