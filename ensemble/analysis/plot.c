@@ -1,5 +1,7 @@
 #include "ensemble/analysis/plot.h"
 
+#include "ensemble/analysis/private.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -76,12 +78,7 @@ void rk_plot_xtics(const struct rk_result *result, const char *name, FILE *out) 
 
 void rk_plot_label(char *text, size_t size, const char *what, const struct rk_panel *panel,
                    const char *column) {
-    const struct rk_value *value = rk_result_find(panel->result, column);
-    if (value && value->unit && value->unit[0] != '\0') {
-        snprintf(text, size, "%s [%s]", what, value->unit);
-    } else {
-        snprintf(text, size, "%s", what);
-    }
+    rk_analysis_label(text, size, what, rk_result_find(panel->result, column));
 }
 
 /* In the child: to the folder, quiet, gnuplot. _exit(127) when it cannot be started. */

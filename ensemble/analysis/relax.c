@@ -101,12 +101,10 @@ void rk_relax_print(const struct rk_result *result, FILE *out) {
     double form = rk_result_number(result, "form");
     if (form == RK_RELAX_STRETCHED) {
         rk_analysis_print_interval(result, "exponent", 10, out);
-        fprintf(out, "%-10s %.6g  integral of what is left of the change\n", "mean_time",
-                rk_result_number(result, "mean_time"));
+        rk_analysis_print_number(result, "mean_time", 10, out);
     } else if (form == RK_RELAX_DOUBLE) {
         rk_analysis_print_interval(result, "second", 10, out);
-        fprintf(out, "%-10s %.6g  of the change that goes with the first time\n", "share",
-                rk_result_number(result, "share"));
+        rk_analysis_print_number(result, "share", 10, out);
     }
     fprintf(out, "%s\n", result->verdict);
 }

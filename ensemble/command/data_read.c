@@ -7,6 +7,7 @@
 #include "ensemble/store/columns.h"
 #include "ensemble/store/files.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,9 +35,51 @@ bool rk_data_is_run(const char *operand) {
            stat(operand, &about) == 0;
 }
 
+static const char *observable_unit(const char *name) {
+    for (size_t p = 0; p < rk_probe_registry.count; p++) {
+        const struct rk_probe *probe = (const struct rk_probe *)rk_probe_registry.pieces[p];
+        size_t length = strlen(probe->piece.name);
+        bool mine = strncmp(name, probe->piece.name, length) == 0 && name[length] == '.';
+        for (size_t c = 0; mine && c < probe->count; c++) {
+            if (strcmp(probe->columns[c].name, name + length + 1) == 0) {
+                return probe->columns[c].unit;
+            }
+        }
+    }
+    return "";
+}
+
+const char *rk_data_rate_unit(const struct rk_data *data) {
+    if (!data->integral) {
+        return data->unit;
+    }
+    return strcmp(data->unit, "d") == 0 ? "sqrt(g d)" : "";
+}
+
+/* Is there a file or folder of that name, or of that before the name of a dataset? */
+static enum rk_status check_there(const char *operand, struct rk_error *err) {
+    struct stat about;
+    const char *dataset = dataset_in(operand);
+    struct rk_path path;
+    int length = dataset ? (int)(dataset - 1 - operand) : (int)strlen(operand);
+    enum rk_status status = rk_path_set(&path, err, "%.*s", length, operand);
+    if (status == RK_OK && stat(path.text, &about) != 0 && errno == ENOENT) {
+        if (!dataset && strstr(operand, ".h5:")) {
+            return rk_fail(err, RK_EINVALID, "%.200s: the name of a dataset begins with '/'",
+                           operand);
+        }
+        status = rk_fail(err, RK_EINVALID, "%.200s: there is no such file%s", path.text,
+                         dataset ? "" : " or folder");
+    }
+    return status;
+}
+
 enum rk_status rk_data_check(const struct rk_data_options *o, const char *operand,
                              struct rk_error *err) {
     bool folder = rk_data_is_folder(operand), run = !folder && rk_data_is_run(operand);
+    if (check_there(operand, err) != RK_OK) {
+        return RK_EINVALID;
+    }
     if (o->json && o->csv) {
         return rk_fail(err, RK_EINVALID, "--json and --csv: choose one of them");
     }
@@ -58,7 +101,7 @@ enum rk_status rk_data_check(const struct rk_data_options *o, const char *operan
     if (!folder && !run && strcmp(o->observable, RK_REPORT_OBSERVABLE) != 0) {
         return rk_fail(err, RK_EINVALID, "--observable is for a study or the file of a run");
     }
-    return RK_OK;
+    return o->plot ? rk_data_spare(operand, o->plot, "", err) : RK_OK;
 }
 
 static bool same_file(const char *a, const char *b) {
@@ -71,6 +114,10 @@ enum rk_status rk_data_spare(const char *operand, const char *plot, const char *
                              struct rk_error *err) {
     static const char *const kinds[] = {"csv", "gp", "png"};
     const char *dot = strrchr(plot, '.');
+    if (rk_report_plot_check(plot, err) != RK_OK) {
+        rk_error_locate(err, "--plot");
+        return RK_EINVALID;
+    }
     for (size_t i = 0; dot && i < sizeof kinds / sizeof *kinds; i++) {
         struct rk_path beside;
         enum rk_status status =
@@ -106,6 +153,7 @@ static enum rk_status read_run(const char *operand, const struct rk_data_options
     data->scale = recorded.samples_per_period > 0 ? recorded.samples_per_period : 1;
     data->integral = o->integral || strcmp(o->observable, RK_REPORT_OBSERVABLE) == 0;
     data->study = true;
+    data->unit = observable_unit(o->observable);
     return RK_OK;
 }
 
@@ -114,9 +162,6 @@ static enum rk_status read_file(const char *operand, const struct rk_data_option
     const char *path = dataset_in(operand);
     if (rk_data_is_run(operand)) {
         return read_run(operand, o, data, err);
-    }
-    if (!path && strstr(operand, ".h5:")) {
-        return rk_fail(err, RK_EINVALID, "%.200s: the name of a dataset begins with '/'", operand);
     }
     if (!path) {
         const struct rk_table_request request = {o->column, o->replica, 0};
@@ -212,6 +257,7 @@ static enum rk_status gather(const char *folder, const struct rk_plan *plan, siz
         data->integral = o->integral || strcmp(o->observable, RK_REPORT_OBSERVABLE) == 0;
         data->scale = schedule.samples_per_period;
         data->study = true;
+        data->unit = observable_unit(o->observable);
         data->stream = rk_stream_of(study->seed, point->key, 0, RK_FOR_BOOTSTRAP, 0);
         g.values = NULL;
         g.lengths = NULL;
@@ -260,6 +306,7 @@ enum rk_status rk_data_read(struct rk_data *data, const char *operand, struct rk
         .name = operand,
         .interval = o->interval,
         .integral = o->integral,
+        .unit = "",
         .scale = 1,
         .stream = rk_stream_of(o->seed, 0, 0, RK_FOR_BOOTSTRAP, 0),
     };

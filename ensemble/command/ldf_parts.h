@@ -27,7 +27,7 @@ struct rk_ldf_parts {
 
 /* Carry out what is asked. `request` has every option; window_count > 1 lengths ask for the table
  * and the limit, the curve being that of the first. `other` is compared with, or NULL. A part that
- * is refused does not keep the others; the curve's own failure is returned. */
+ * is refused does not keep the others from being made; without the curve there are none. */
 enum rk_status rk_ldf_parts_make(struct rk_ldf_parts *parts, const struct rk_ldf_wish *wish,
                                  const struct rk_ldf_options *options, const uint64_t *windows,
                                  size_t window_count, const struct rk_data *data,

@@ -1,5 +1,5 @@
 /* reckon new: a commented study file of a case, written from the tables that read it. */
-#include "ensemble/analysis.h"
+#include "ensemble/analysis/private.h"
 #include "ensemble/command/command.h"
 
 #include <errno.h>
@@ -70,7 +70,8 @@ static enum rk_status write_analyses(FILE *out, struct rk_error *err) {
             struct rk_param_line line = rk_param_line(analysis->params, p, values);
             fprintf(out, "%s%s: %s", p > 0 ? ", " : "", line.path, line.text);
         }
-        fprintf(out, "}\n");
+        const char *points = analysis->methods->points;
+        fprintf(out, "}%s%s\n", points ? "  # needs " : "", points ? points : "");
         free(values);
     }
     return RK_OK;
