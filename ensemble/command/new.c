@@ -2,6 +2,7 @@
 #include "ensemble/analysis/private.h"
 #include "ensemble/command/command.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -92,6 +93,19 @@ static void write_sweep(FILE *out, const struct rk_param_table *table, const voi
     }
 }
 
+/* The keys of a study that have no place above, each with an example. */
+static void write_keys(FILE *out) {
+    const struct rk_registry *keys = &rk_study_key_registry;
+    for (size_t i = 0; i < keys->count; i++) {
+        const struct rk_study_key *key = (const struct rk_study_key *)keys->pieces[i];
+        if (key->example) {
+            const char *doc = key->piece.doc;
+            fprintf(out, "\n# %c%s.\n# %s: %s\n", toupper((unsigned char)doc[0]), doc + 1,
+                    key->piece.name, key->example);
+        }
+    }
+}
+
 static enum rk_status write_study(FILE *out, const struct rk_case *scene, struct rk_error *err) {
     const struct rk_param_table *table = scene->params;
     const char *name = scene->piece.name;
@@ -113,6 +127,7 @@ static enum rk_status write_study(FILE *out, const struct rk_case *scene, struct
                  "# points:\n#   - {name: a}\n");
     write_sweep(out, table, values);
     enum rk_status status = write_analyses(out, err);
+    write_keys(out);
     free(values);
     return status;
 }
