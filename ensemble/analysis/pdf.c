@@ -112,16 +112,6 @@ static void write_curve(const struct rk_panel *panel, size_t family, const char 
             style, what, shape, curve.shape, rk_result_number(r, low), rk_result_number(r, high));
 }
 
-/* The least density that a bin can show: a curve below it would only stretch the axis. */
-static double floor_of(const struct rk_result *result) {
-    const struct rk_value *density = rk_result_find(result, "density");
-    double least = INFINITY;
-    for (size_t i = 0; density && i < density->count; i++) {
-        least = density->numbers[i] > 0 ? fmin(least, density->numbers[i]) : least;
-    }
-    return isinf(least) ? 1e-6 : least / 3;
-}
-
 static void picture(const struct rk_picture *p, FILE *out) {
     char xlabel[160], ylabel[80] = "probability density";
     const struct rk_value *x = rk_result_find(p->panels[0].result, "x");
@@ -138,14 +128,8 @@ static void picture(const struct rk_picture *p, FILE *out) {
         const struct rk_panel *panel = &p->panels[i];
         rk_plot_panel(p, i, ylabel, out);
         rk_plot_xtics(panel->result, "x", out);
-        fprintf(out,
-                "set title \"%s\" noenhanced\nset yrange [%.3g:*]\n"
-                "plot \"%s\" using \"x\":(column(\"density\") > 0 ? column(\"density\") : NaN):"
-                "(column(\"density_low\") > 0 ? column(\"density_low\") : %.3g):\"density_high\" "
-                "with yerrorbars pointtype 7 pointsize 0.6 linecolor rgb \"#666666\" title "
-                "\"samples, %g %% intervals\"",
-                panel->point, floor_of(panel->result), panel->file, floor_of(panel->result),
-                100 * rk_result_number(panel->result, "level"));
+        fprintf(out, "set title \"%s\" noenhanced\n", p->quantity ? "" : panel->point);
+        rk_plot_density(panel, "samples", out);
         write_curve(panel, 0,
                     "(p == 1 ? c*exp(-s(x)) : 1 + (p - 1)*s(x) > 0 ? "
                     "c*(1 + (p - 1)*s(x))**(-1/(p - 1)) : NaN)",

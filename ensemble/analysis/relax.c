@@ -136,8 +136,10 @@ static void headline(const struct rk_result *result, FILE *out) {
 }
 
 static void picture(const struct rk_picture *p, FILE *out) {
-    char xlabel[64];
+    char xlabel[64], ylabel[160];
     rk_plot_label(xlabel, sizeof xlabel, "time since the start", &p->panels[0], "elapsed");
+    rk_plot_label(ylabel, sizeof ylabel, p->quantity ? p->quantity : "height above the plate",
+                  &p->panels[0], "mean");
     rk_plot_begin_panels(p, xlabel, out);
     fprintf(out, "set key below height 1.2\n");
     for (size_t i = 0; i < p->count; i++) {
@@ -145,16 +147,17 @@ static void picture(const struct rk_picture *p, FILE *out) {
         const char *colour = rk_plot_colour(i);
         const struct rk_result *r = panel->result;
         const struct rk_value *time = rk_result_find(r, "time");
-        rk_plot_panel(p, i, p->quantity ? p->quantity : "height above the plate [d]", out);
+        rk_plot_panel(p, i, ylabel, out);
         fprintf(out,
-                "set title \"%s: T = %.3g [%.3g, %.3g] %s\" noenhanced\n"
+                "set title \"%s%sT = %.3g [%.3g, %.3g] %s\" noenhanced\n"
                 "plot \"%s\" using \"elapsed\":\"low\":\"high\" with filledcurves fillcolor rgb "
                 "\"#c0%s\" title \"%g %% interval of the mean\", \\\n"
                 "  \"%s\" using \"elapsed\":\"mean\" with lines linewidth 1 linecolor rgb \"#%s\" "
                 "title \"mean\", \\\n"
                 "  \"%s\" using \"elapsed\":\"curve\" with lines linewidth 2 dashtype 2 linecolor "
                 "rgb \"#000000\" title \"%s exponential\"\n",
-                panel->point, rk_result_number(r, "time"), rk_result_number(r, "time_low"),
+                p->quantity ? "" : panel->point, p->quantity ? "" : ": ",
+                rk_result_number(r, "time"), rk_result_number(r, "time_low"),
                 rk_result_number(r, "time_high"), time ? time->unit : "", panel->file, colour,
                 100 * rk_result_number(r, "level"), panel->file, colour, panel->file,
                 rk_relax_form_name((enum rk_relax_form)rk_result_number(r, "form")));

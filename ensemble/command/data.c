@@ -82,7 +82,9 @@ int rk_data_give(const struct rk_data_command *command, const char *operand,
     bool rows = rk_result_rows(&result) > 0, drawn = false;
     bool worth_printing = status == RK_OK && (rows || o->json);
     if (status == RK_OK && rows && o->plot) {
-        status = rk_report_plot(command->analysis, command->title, command->quantity, &result,
+        const struct rk_data_label label = rk_data_label(data, command->integrates);
+        status = rk_report_plot(command->analysis, command->title,
+                                command->quantity ? command->quantity : label.text, &result,
                                 o->plot, &err);
         drawn = status == RK_OK;
     }

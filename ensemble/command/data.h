@@ -30,6 +30,7 @@ struct rk_data {
     double interval;
     bool study;       /* it is of a study or a run: times are in sqrt(d/g) */
     const char *unit; /* of the samples, a constant text; "" where it is not known */
+    char what[96];    /* the samples are, of harmless characters for a script: a column's name */
     bool integral;    /* as asked, or because it is the height of a study's intruder */
     uint64_t scale; /* samples in the unit that window, from and to are given in: a period, or 1 */
     struct rk_stream stream;
@@ -43,8 +44,8 @@ enum rk_status rk_data_check_time(const struct rk_data *data, uint64_t window, u
 struct rk_data_command {
     const struct rk_command *command;
     const struct rk_analysis *analysis; /* draws the picture; a study's own is looked up by it */
-    const char *title, *quantity;       /* of the picture */
-    bool integrates;                    /* says in JSON whether the data were an integral */
+    const char *title, *quantity; /* of the picture; a quantity of NULL: as the data are called */
+    bool integrates;              /* says in JSON whether the data were an integral */
     enum rk_status (*estimate)(const void *input, const struct rk_data *data,
                                struct rk_result *result, struct rk_error *err);
     void (*print)(const struct rk_result *result, FILE *out);
@@ -62,6 +63,12 @@ void rk_data_complete(const struct rk_data_command *command, const struct rk_stu
 
 /* The parameters of the first such analysis that the study asks for, NULL without one. */
 const void *rk_data_request(const struct rk_study *study, const struct rk_analysis *analysis);
+
+/* What the axis of a picture is called: of the samples, or of the rate that is averaged. */
+struct rk_data_label {
+    char text[128];
+};
+struct rk_data_label rk_data_label(const struct rk_data *data, bool rate);
 
 /* The unit of the rate that is averaged: of the samples, or of what they are the integral of. */
 const char *rk_data_rate_unit(const struct rk_data *data);

@@ -7,6 +7,7 @@
 #include "ensemble/store/columns.h"
 #include "ensemble/store/files.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,6 +48,28 @@ static const char *observable_unit(const char *name) {
         }
     }
     return "";
+}
+
+/* The name of the samples goes into scripts, where quotes and the like would mean something. */
+static void name_samples(struct rk_data *data, const char *name, const char *before) {
+    static const char harmless[] = " _-.,:/()";
+    snprintf(data->what, sizeof data->what, "%s%.64s", before, name);
+    for (char *c = data->what; *c != '\0'; c++) {
+        bool plain = (unsigned char)*c < 0x80 && isalnum((unsigned char)*c);
+        *c = plain || strchr(harmless, *c) ? *c : '?';
+    }
+}
+
+struct rk_data_label rk_data_label(const struct rk_data *data, bool rate) {
+    struct rk_data_label label;
+    bool of_height = data->study && strcmp(data->what, RK_REPORT_OBSERVABLE) == 0;
+    if (rate && data->integral && of_height) {
+        snprintf(label.text, sizeof label.text, "vertical velocity of the intruder");
+    } else {
+        snprintf(label.text, sizeof label.text, "%s%s", rate && data->integral ? "rate of " : "",
+                 data->what);
+    }
+    return label;
 }
 
 const char *rk_data_rate_unit(const struct rk_data *data) {
@@ -312,6 +335,15 @@ enum rk_status rk_data_read(struct rk_data *data, const char *operand, struct rk
     };
     enum rk_status status =
         study ? read_folder(operand, study, point, o, data, err) : read_file(operand, o, data, err);
+    const char *slash = strrchr(operand, '/');
+    if (data->study) {
+        name_samples(data, o->observable, "");
+    } else if (o->column) {
+        bool number = strspn(o->column, "0123456789") == strlen(o->column);
+        name_samples(data, o->column, number ? "column " : "");
+    } else {
+        name_samples(data, slash ? slash + 1 : operand, "");
+    }
     if (study) {
         rk_error_locate(err, "%s", operand);
     }

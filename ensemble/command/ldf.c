@@ -59,7 +59,8 @@ static enum rk_status answer(const struct rk_ldf_wish *o, struct rk_ldf_request 
         status = rk_ldf_parts_make(&parts, o, &request->options, windows, count, data, other, err);
     }
     if (status == RK_OK) {
-        enum rk_status drawn = o->data.plot ? rk_ldf_parts_plot(&parts, o->data.plot, err) : RK_OK;
+        enum rk_status drawn =
+            o->data.plot ? rk_ldf_parts_plot(&parts, data, o->data.plot, err) : RK_OK;
         if (drawn != RK_EINVALID) { /* the numbers are there without the picture */
             rk_ldf_parts_print(&parts, o, data);
         }

@@ -258,13 +258,14 @@ void rk_ldf_parts_print(const struct rk_ldf_parts *parts, const struct rk_ldf_wi
     }
 }
 
-enum rk_status rk_ldf_parts_plot(const struct rk_ldf_parts *parts, const char *path,
-                                 struct rk_error *err) {
+enum rk_status rk_ldf_parts_plot(const struct rk_ldf_parts *parts, const struct rk_data *data,
+                                 const char *path, struct rk_error *err) {
     enum rk_status status = RK_OK;
+    char quantity[160];
+    snprintf(quantity, sizeof quantity, "%s averaged", rk_data_label(data, true).text);
     for (size_t i = 0; i < RK_LDF_PARTS && status == RK_OK; i++) {
         if (is_there(parts, i) && about[i].draw) {
-            const struct rk_picture model = {.title = about[i].title,
-                                             .quantity = "observable averaged"};
+            const struct rk_picture model = {.title = about[i].title, .quantity = quantity};
             status = rk_report_plot_as(&model, about[i].ending, about[i].draw,
                                        &parts->part[i].result, path, err);
         }

@@ -36,8 +36,8 @@ void rk_ldf_parts_clear(struct rk_ldf_parts *parts);
 
 void rk_ldf_parts_print(const struct rk_ldf_parts *parts, const struct rk_ldf_wish *wish,
                         const struct rk_data *data);
-enum rk_status rk_ldf_parts_plot(const struct rk_ldf_parts *parts, const char *path,
-                                 struct rk_error *err);
+enum rk_status rk_ldf_parts_plot(const struct rk_ldf_parts *parts, const struct rk_data *data,
+                                 const char *path, struct rk_error *err);
 
 /* A line for each picture that rk_ldf_parts_plot drew. */
 void rk_ldf_parts_print_pictures(const struct rk_ldf_parts *parts, const char *path);

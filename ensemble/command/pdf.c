@@ -182,6 +182,7 @@ static int fit_columns(const struct rk_data_command *command, const char *path,
                                      .interval = o->data.interval,
                                      .scale = 1,
                                      .unit = "",
+                                     .what = "samples",
                                      .stream =
                                          rk_stream_of(o->data.seed, 0, 0, RK_FOR_BOOTSTRAP, 0)};
         input.weights = columns[1].values;
@@ -201,7 +202,7 @@ static int fit_columns(const struct rk_data_command *command, const char *path,
 
 static int pdf(const void *options, size_t count, char *const *operands) {
     static const struct rk_data_command command = {
-        &rk_command_pdf, &rk_analysis_pdf, "probability density", "observable", true,
+        &rk_command_pdf, &rk_analysis_pdf, "probability density", NULL, true,
         estimate,        rk_pdf_print};
     struct pdf_options o = *(const struct pdf_options *)options;
     const struct input input = {.options = &o};

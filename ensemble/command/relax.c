@@ -45,8 +45,7 @@ static enum rk_status estimate(const void *values, const struct rk_data *data,
 
 static int relax(const void *options, size_t count, char *const *operands) {
     static const struct rk_data_command command = {
-        &rk_command_relax, &rk_analysis_relax, "relaxation", "observable", false,
-        estimate,          rk_relax_print};
+        &rk_command_relax, &rk_analysis_relax, "relaxation", NULL, false, estimate, rk_relax_print};
     struct relax_options o = *(const struct relax_options *)options;
     (void)count;
     return rk_data_main(&command, operands[0], &o.data, &o);
