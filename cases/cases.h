@@ -24,10 +24,11 @@ struct rk_run_spec {
     uint64_t periods; /* length of a run, in drive periods */
     uint64_t samples; /* observables: samples a period */
     uint64_t frames;  /* grains: a frame every so many periods, 0 for the first and last only */
+    bool contacts;    /* with every frame all contacts and their forces */
     uint64_t threads; /* that step one run, 0: chosen while it runs; nothing in what comes out
                          changes with it */
 };
-enum { RK_RUN_PARAMS = 4 };
+enum { RK_RUN_PARAMS = 5 };
 extern const struct rk_param rk_run_params[RK_RUN_PARAMS];
 
 /* The same, in steps. A period is a whole number of samples, a sample a whole number of steps. */
@@ -38,6 +39,7 @@ struct rk_schedule {
     uint64_t sample_every; /* steps between two samples of the observables */
     uint64_t samples_per_period;
     uint64_t frame_every; /* steps between two frames; 0: first and last only */
+    bool contacts;        /* are recorded with every frame */
     double stable_dt;     /* the largest stable step, to compare dt with */
 };
 

@@ -28,6 +28,13 @@ const struct rk_param rk_run_params[RK_RUN_PARAMS] = {
      .value = 0,
      .high = 1e8,
      .doc = "periods between two frames of all grains, 0: first and last only"},
+    {.name = "contacts",
+     .type = RK_PARAM_FLAG,
+     .offset = AT(contacts),
+     .unit = "",
+     .value = 0,
+     .doc = "record with every frame all contacts and their forces",
+     .later = true},
     RK_RUN_THREADS(AT(threads)),
 };
 #undef AT
@@ -62,6 +69,7 @@ struct rk_schedule rk_run_schedule(const struct rk_run_spec *run, double period,
         .sample_every = sample_every,
         .samples_per_period = run->samples,
         .frame_every = run->frames * steps_per_period,
+        .contacts = run->contacts,
     };
 }
 

@@ -91,4 +91,16 @@ enum rk_status rk_store_read(const char *folder, const struct rk_plan *plan,
 enum rk_status rk_store_read_file(const char *path, const char *name, struct rk_observable *out,
                                   struct rk_error *err);
 
+/* The normal forces above 0 between grains in the frames of a run from period `from` on and before
+ * period `to` (0: to the end), frame after frame; out->interval is 0. RK_EINVALID: no contacts were
+ * recorded. */
+struct rk_span {
+    uint64_t from, to;
+};
+enum rk_status rk_store_read_forces(const char *folder, const struct rk_plan *plan,
+                                    const struct rk_run *run, const struct rk_span *span,
+                                    struct rk_observable *out, struct rk_error *err);
+enum rk_status rk_store_read_file_forces(const char *path, const struct rk_span *span,
+                                         struct rk_observable *out, struct rk_error *err);
+
 #endif

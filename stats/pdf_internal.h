@@ -50,8 +50,7 @@ struct rk_pdf_source {
     struct rk_pdf_segment *segment;
     size_t segments;
     const double *weights; /* of the only segment; NULL: all 1 */
-    double
-        weight_unit; /* they are multiplied with this, so that they add up to (sum w)^2/sum w^2 */
+    double weight_unit;    /* times the weights: then they add up to (sum w)^2/sum w^2 */
     size_t samples;
 };
 static inline double rk_pdf_weight(const struct rk_pdf_source *source, size_t i) {

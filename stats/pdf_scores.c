@@ -79,7 +79,8 @@ static double difference_of(const struct rk_pdf_work *work, double z) {
     return height[0] - height[1];
 }
 
-/* A unit is a sample with its weight. */
+/* A unit is a sample with its weight; the weights add up to the number of samples that they are
+ * worth, which is what freedom is counted from. */
 static void vuong_of_weights(struct rk_pdf *pdf, const struct rk_pdf_work *work) {
     const struct rk_pdf_source *source = &work->source;
     double total = 0, weight = 0, square = 0, units = 0;

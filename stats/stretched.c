@@ -2,6 +2,7 @@
 #include "stats/lanes.h"
 #include "stats/pdf_internal.h"
 
+#include <float.h>
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_sf_psi.h>
@@ -68,8 +69,8 @@ static void take(struct chunk *chunk, const double *z, size_t count, double m, d
     for (size_t i = count; i % LANES != 0; i++) {
         chunk->log[i / LANES][i % LANES] = -INFINITY;
     }
-    top = isinf(top) ? 0 : top; /* all of them at the location */
-    raise(chunk, count, b, top, exp(b * top));
+    top = isinf(top) ? 0 : top;                               /* all of them at the location */
+    raise(chunk, count, b, top, fmin(exp(b * top), DBL_MAX)); /* not inf times 0 */
 }
 
 static struct rk_pdf_sums sums(const double *z, const double *w, size_t count,

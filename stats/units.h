@@ -43,7 +43,8 @@ size_t rk_block_start(size_t count, size_t blocks, size_t b);
 
 /* By how much the variance of independent blocks of `length` samples is to be multiplied, since
  * neighbours are not quite independent: 1/(1 - (T - 1/(4 T))/length), T being the correlation time
- * in samples. Exact for AR(1) but for phi^length; 1 for white noise. */
+ * in samples. Exact for AR(1) but for phi^length; 1 for white noise, and for blocks of at most 2 T,
+ * of which rk_block_count makes none. */
 double rk_block_widening(double time, double length);
 
 #endif

@@ -41,7 +41,7 @@ static void fill_columns(struct rk_result *result, const struct rk_forces *force
     free(y);
 }
 
-void rk_forces_fill(struct rk_result *result, const struct rk_forces *forces) {
+void rk_forces_fill(struct rk_result *result, const struct rk_forces *forces, const char *unit) {
     static const char *const alpha[] = {"alpha", "alpha_low", "alpha_high"};
     static const char *const beta[] = {"beta", "beta_low", "beta_high"};
     static const char *const identity[] = {"identity", "identity_low", "identity_high"};
@@ -58,7 +58,7 @@ void rk_forces_fill(struct rk_result *result, const struct rk_forces *forces) {
                              &forces->linked, 1);
     rk_analysis_add_interval(result, below, "", "share of the forces below their mean",
                              &forces->below, 1);
-    rk_analysis_add_interval(result, mean, "", "mean force", &forces->mean, 1);
+    rk_analysis_add_interval(result, mean, unit, "mean force", &forces->mean, 1);
     rk_result_scalar(result, "linked_beta", "", "beta that goes with `linked`",
                      forces->linked_beta);
     rk_result_scalar(result, "linked_below", "", "share below the mean that goes with it",

@@ -11,6 +11,7 @@
 #include "ensemble/analysis/private.h"
 #include "ensemble/analysis/result.h"
 #include "ensemble/analysis/target.h"
+#include "ensemble/store.h"
 #include "ensemble/study.h"
 
 #include <stdio.h>
@@ -51,6 +52,12 @@ enum rk_status rk_gather(const char *folder, const struct rk_plan *plan, size_t 
                          const char *observable, const struct rk_notice *notice,
                          struct rk_gathered *g, struct rk_error *err);
 void rk_gathered_clear(struct rk_gathered *g);
+
+/* The same for the forces between grains in the frames of a span (rk_store_read_forces), of any
+ * number in each run. A run without any is missing. Also RK_EINVALID: the study records none. */
+enum rk_status rk_gather_forces(const char *folder, const struct rk_plan *plan, size_t point,
+                                const struct rk_span *span, const struct rk_notice *notice,
+                                struct rk_gathered *g, struct rk_error *err);
 
 /* As an analysis sees it; the series is kept in *series, and both point into g. */
 struct rk_point_data rk_gathered_data(const struct rk_plan *plan, size_t point,

@@ -19,6 +19,7 @@
 struct rk_data_options {
     const char *column, *replica, *point, *observable, *plot;
     bool integral, json, csv;
+    bool forces; /* of the contacts in the frames between from and to, not an observable */
     uint64_t window, from, to, bootstrap, seed;
     double interval, level;
 };

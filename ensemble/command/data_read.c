@@ -161,7 +161,9 @@ enum rk_status rk_data_spare(const char *operand, const char *plot, const char *
 static enum rk_status read_run(const char *operand, const struct rk_data_options *o,
                                struct rk_data *data, struct rk_error *err) {
     struct rk_observable recorded;
-    enum rk_status status = rk_store_read_file(operand, o->observable, &recorded, err);
+    const struct rk_span span = {o->from, o->to};
+    enum rk_status status = o->forces ? rk_store_read_file_forces(operand, &span, &recorded, err)
+                                      : rk_store_read_file(operand, o->observable, &recorded, err);
     if (status != RK_OK) {
         return status;
     }
@@ -176,7 +178,7 @@ static enum rk_status read_run(const char *operand, const struct rk_data_options
     data->scale = recorded.samples_per_period > 0 ? recorded.samples_per_period : 1;
     data->integral = o->integral || strcmp(o->observable, RK_REPORT_OBSERVABLE) == 0;
     data->study = true;
-    data->unit = observable_unit(o->observable);
+    data->unit = o->forces ? "m g" : observable_unit(o->observable);
     return RK_OK;
 }
 
@@ -264,9 +266,12 @@ static enum rk_status gather(const char *folder, const struct rk_plan *plan, siz
     const struct rk_study *study = plan->study;
     const struct rk_point *point = &study->points[p];
     struct rk_gathered g = {0};
-    enum rk_status status = rk_gather(folder, plan, p, o->observable, &notice, &g, err);
+    const struct rk_span span = {o->from, o->to};
+    enum rk_status status = o->forces ? rk_gather_forces(folder, plan, p, &span, &notice, &g, err)
+                                      : rk_gather(folder, plan, p, o->observable, &notice, &g, err);
     if (status == RK_OK && g.done == 0) {
-        status = rk_fail(err, RK_EIO, "no run of point '%s' is done yet", point->name);
+        status = rk_fail(err, RK_EIO, "no run of point '%s' is done yet, or none can be used",
+                         point->name);
     }
     if (status == RK_OK) {
         if (g.failed + g.missing > 0) {
@@ -280,7 +285,7 @@ static enum rk_status gather(const char *folder, const struct rk_plan *plan, siz
         data->integral = o->integral || strcmp(o->observable, RK_REPORT_OBSERVABLE) == 0;
         data->scale = schedule.samples_per_period;
         data->study = true;
-        data->unit = observable_unit(o->observable);
+        data->unit = o->forces ? "m g" : observable_unit(o->observable);
         data->stream = rk_stream_of(study->seed, point->key, 0, RK_FOR_BOOTSTRAP, 0);
         g.values = NULL;
         g.lengths = NULL;
@@ -337,7 +342,7 @@ enum rk_status rk_data_read(struct rk_data *data, const char *operand, struct rk
         study ? read_folder(operand, study, point, o, data, err) : read_file(operand, o, data, err);
     const char *slash = strrchr(operand, '/');
     if (data->study) {
-        name_samples(data, o->observable, "");
+        name_samples(data, o->forces ? "normal force" : o->observable, "");
     } else if (o->column) {
         bool number = strspn(o->column, "0123456789") == strlen(o->column);
         name_samples(data, o->column, number ? "column " : "");

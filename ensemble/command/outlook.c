@@ -31,8 +31,9 @@ warn(struct rk_outlook *o, const char *format, ...) {
 /* Bytes of a run's file at most: positions, velocities, angle and angular velocity of every frame
  * as float32 before compression, the observables as float64, and what HDF5 needs around them:
  * chunks that are not full, their indices, attributes. */
+enum { CONTACT_BYTES = 3 * 20 }; /* a grain: contacts of discs are the edges of a planar graph */
 static double file_size(const struct rk_case *scene, const struct rk_forecast *f) {
-    double frame = 6.0 * 4.0 * (double)f->grains;
+    double frame = (6.0 * 4.0 + (f->contacts ? CONTACT_BYTES : 0)) * (double)f->grains;
     double data =
         frame * (double)f->frames + 8.0 * (double)rk_columns_count(scene) * (double)f->samples;
     return ceil(1.04 * data) + 80 * 1024;
@@ -63,6 +64,7 @@ static void look_at_point(struct rk_outlook *o, size_t p) {
         .samples = rk_schedule_samples(&schedule),
         .samples_per_period = schedule.samples_per_period,
         .frames = rk_schedule_frames(&schedule),
+        .contacts = schedule.contacts,
         .preparation = scene->preparation_steps(point->params),
         .dt = schedule.dt,
         .stable_dt = schedule.stable_dt,

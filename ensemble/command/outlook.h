@@ -10,6 +10,7 @@ struct rk_forecast {
     const char *name;
     size_t grains;
     uint64_t steps, periods, samples, samples_per_period, frames, preparation;
+    bool contacts;                    /* with every frame */
     double dt, stable_dt, cost, disk; /* of a run, its bed included in the cost */
 };
 

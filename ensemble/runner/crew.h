@@ -98,4 +98,7 @@ void rk_crew_tell(struct rk_crew *crew, bool always);
 enum rk_status rk_crew_pulse_start(struct rk_crew *crew, pthread_t *pulse, struct rk_error *err);
 void rk_crew_pulse_stop(struct rk_crew *crew, pthread_t pulse);
 
+/* Others took this program for dead: say so, once, and let the runs stop. */
+void rk_crew_lost(struct rk_crew *crew);
+
 #endif

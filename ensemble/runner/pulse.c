@@ -58,15 +58,21 @@ static void describe(const struct rk_crew *crew, struct rk_work *work) {
     }
 }
 
+void rk_crew_lost(struct rk_crew *crew) {
+    if (!atomic_exchange(&crew->lost, true)) {
+        rk_crew_message(crew, "this program gave no sign of life for so long that others may have "
+                              "taken over its runs; it stops");
+    }
+}
+
 /* A sign that could not be written may be a full disk: the runs will find out. */
 static void beat(struct rk_crew *crew, struct rk_work *work) {
     pthread_mutex_lock(&crew->mutex);
     describe(crew, work);
     pthread_mutex_unlock(&crew->mutex);
     rk_worker_beat(crew->worker, work, NULL);
-    if (!rk_worker_known(crew->worker) && !atomic_exchange(&crew->lost, true)) {
-        rk_crew_message(crew, "this program gave no sign of life for so long that others may have "
-                              "taken over its runs; it stops");
+    if (!rk_worker_known(crew->worker)) {
+        rk_crew_lost(crew);
     }
 }
 

@@ -8,6 +8,7 @@
 #include "ensemble/store/h5md.h"
 #include "ensemble/store/spool.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,6 +38,8 @@ struct work {
     struct rk_preparation preparation;
     double *row;
     float *frame;
+    struct rk_spool_contact *contacts;
+    size_t contact_room;
     void *state; /* a packed scene */
     size_t state_size;
     double last_checkpoint; /* on the monotonic clock */
@@ -108,7 +111,39 @@ static enum rk_status record_row(struct work *w, struct rk_error *err) {
     return rk_spool_row(w->spool, rk_scene_steps(w->scene), w->row, err);
 }
 
+static struct rk_spool_contact contact_of(const struct rk_scene *scene, size_t i) {
+    struct rk_contact c;
+    rk_scene_contact(scene, i, &c);
+    return (struct rk_spool_contact){.first = (int32_t)c.first,
+                                     .second = c.wall ? -1 - (int32_t)c.second : (int32_t)c.second,
+                                     .angle = (float)atan2(c.normal[1], c.normal[0]),
+                                     .normal = (float)c.fn,
+                                     .tangential = (float)c.ft};
+}
+
+static enum rk_status record_contacts(struct work *w, struct rk_error *err) {
+    size_t count = rk_scene_contacts(w->scene);
+    if (count > w->contact_room) {
+        free(w->contacts);
+        w->contact_room = 2 * count;
+        w->contacts = rk_array_create(w->contact_room, sizeof *w->contacts);
+        if (!w->contacts) {
+            w->contact_room = 0;
+            return rk_fail(err, RK_EMEMORY, "not enough memory to record the contacts of run %s",
+                           w->run->id);
+        }
+    }
+    for (size_t i = 0; i < count; i++) {
+        w->contacts[i] = contact_of(w->scene, i);
+    }
+    return rk_spool_contacts(w->spool, rk_scene_steps(w->scene), w->contacts, count, err);
+}
+
 static enum rk_status record_frame(struct work *w, struct rk_error *err) {
+    enum rk_status status = w->schedule.contacts ? record_contacts(w, err) : RK_OK;
+    if (status != RK_OK) {
+        return status;
+    }
     size_t n = rk_scene_grains(w->scene);
     struct rk_snapshot columns = {.position = w->frame, .velocity = w->frame + 2 * n};
     if (rk_scene_rotates(w->scene)) {
@@ -172,15 +207,22 @@ static void forget_scene(struct work *w) {
     w->spool = NULL;
 }
 
+/* A scene that comes from a checkpoint knows its forces when it has made a step. Where they belong to
+ * the frame of the last step, the last checkpoint is of use to a longer run only. */
+static bool wants_forces(const struct work *w, uint64_t step) {
+    return w->schedule.contacts && step == w->schedule.steps && !is_frame(&w->schedule, step);
+}
+
 /* Scene and spool as one generation of the checkpoint left them. *found is false, with RK_OK, when
- * there is no such generation. */
+ * there is no such generation that can be gone on from. */
 static enum rk_status resume_from(struct work *w, int generation, bool *found,
                                   struct rk_error *err) {
     struct rk_checkpoint c;
     enum rk_status status =
         rk_checkpoint_read(w->paths.checkpoint.text, generation, &w->origin, &c, err);
-    *found = status == RK_OK && c.state;
+    *found = status == RK_OK && c.state && !wants_forces(w, c.step);
     if (!*found) {
+        free(c.state);
         return status;
     }
     status = rk_case_empty(w->scene_case, w->params, &w->scene, err);
@@ -385,9 +427,12 @@ static void free_work(struct work *w) {
     forget_scene(w);
     free(w->row);
     free(w->frame);
+    free(w->contacts);
     free(w->state);
     w->row = NULL;
     w->frame = NULL;
+    w->contacts = NULL;
+    w->contact_room = 0;
     w->state = NULL;
     w->state_size = 0;
 }

@@ -158,12 +158,17 @@ static void note_effort(struct rk_crew *crew, double since) {
 }
 
 /* Whoever leaves last builds the index: of two that leave at once each may think so, and both may
- * be right. */
+ * be right. Who was taken for dead leaves it to those who did so. */
 static enum rk_status leave(struct rk_crew *crew, struct rk_error *err) {
     char who[96];
+    struct rk_error why = RK_NO_ERROR;
     enum rk_status status = rk_beds_tidy(crew->worker, err);
-    if (status == RK_OK) {
-        status = rk_worker_retire(crew->worker, err);
+    if (status == RK_OK && rk_worker_retire(crew->worker, &why) != RK_OK) {
+        if (why.status == RK_ECONFLICT) {
+            rk_crew_lost(crew);
+            return RK_OK;
+        }
+        return rk_fail_as(err, &why);
     }
     if (status != RK_OK || rk_store_shared(crew->store, who)) {
         return status;

@@ -2,6 +2,7 @@
 #include "base/memory.h"
 #include "ensemble/store/columns.h"
 #include "ensemble/store/files.h"
+#include "ensemble/store/h5md_contacts.h"
 #include "ensemble/store/provenance.h"
 #include "ensemble/store/seal.h"
 #include "rk_code.h"
@@ -48,6 +49,8 @@ struct writer {
     hid_t *column_set; /* [columns] */
     double *cells;     /* [columns][rows_a_chunk] */
     size_t rows_held, rows_written;
+
+    struct rk_h5md_contacts *contacts; /* or NULL */
 };
 
 static void write_h5md_group(struct writer *w) {
@@ -308,12 +311,22 @@ static void copy_spool(struct writer *w, struct rk_spool *spool) {
         }
         if (record.kind == RK_SPOOL_ROW) {
             take_row(w, record.row);
-        } else {
+        } else if (record.kind == RK_SPOOL_FRAME) {
             take_frame(w, record.step, record.frame);
+        } else if (w->contacts) {
+            rk_h5md_contacts_take(w->contacts, record.contacts, record.contact_count);
         }
     }
     flush_rows(w);
     flush_frames(w);
+}
+
+static void start_contacts(struct writer *w, const struct rk_spool *spool) {
+    const struct rk_schedule *s = &w->outcome->schedule;
+    if (s->contacts) {
+        w->contacts = rk_h5md_contacts_begin(&w->h5, s->sample_every * s->samples_per_period,
+                                             w->frames, rk_spool_contact_count(spool));
+    }
 }
 
 static bool allocate(struct writer *w) {
@@ -352,7 +365,9 @@ static void write_recorded(struct writer *w, struct rk_spool *spool) {
     }
     start_elements(w, grains);
     start_columns(w);
+    start_contacts(w, spool);
     copy_spool(w, spool);
+    rk_h5md_contacts_end(w->contacts);
     rk_h5_release(&w->h5, grains);
     rk_h5_release(&w->h5, particles);
 }

@@ -9,6 +9,7 @@
  *     /particles/grains/radius, mass              [grain], fixed in time
  *     /observables/<probe>/<column> step and time as H5MD's fixed interval (scalars, attribute
  *                                   "offset" 0), value [sample], float64
+ *     /contacts                     of every frame, if the study asks for them: h5md_contacts.h
  *     /parameters/<group>/<name>    every resolved parameter, scalars with their unit
  *     /provenance                   case, seed, point, replica, versions, bed and preparation,
  *                                   status "done" or "failed" (with reason and time); of a run

@@ -79,6 +79,78 @@ static enum rk_status read_guarded(const char *path, const char *name, struct rk
     return status;
 }
 
+/* ---- Contact forces ---- */
+
+struct contacts {
+    double *count, *step, *second, *force; /* as h5md_contacts.h says */
+    size_t frames, steps, seconds, forces;
+    double period;
+};
+
+static void read_contacts(struct rk_h5 *h5, struct contacts *c) {
+    c->period = rk_h5_read_scalar(h5, "contacts/steps_per_period");
+    rk_h5_read_list(h5, "contacts/count", &c->count, &c->frames);
+    rk_h5_read_list(h5, "contacts/step", &c->step, &c->steps);
+    rk_h5_read_list(h5, "contacts/second", &c->second, &c->seconds);
+    rk_h5_read_list(h5, "contacts/normal_force", &c->force, &c->forces);
+}
+
+static bool is_whole(const struct contacts *c) {
+    double sum = 0;
+    for (size_t k = 0; k < c->frames; k++) {
+        sum += c->count[k];
+    }
+    return c->period >= 1 && c->steps == c->frames && c->seconds == c->forces &&
+           sum == (double)c->forces;
+}
+
+/* Keep, at the front of c->force, what presses two grains together in the frames of the span. */
+static size_t choose(struct contacts *c, const struct rk_span *span) {
+    size_t kept = 0, next = 0;
+    for (size_t k = 0; k < c->frames; k++) {
+        double time = c->step[k] / c->period;
+        bool within = time >= (double)span->from && (span->to == 0 || time < (double)span->to);
+        for (size_t end = next + (size_t)c->count[k]; next < end; next++) {
+            if (within && c->second[next] >= 0 && c->force[next] > 0) {
+                c->force[kept++] = c->force[next];
+            }
+        }
+    }
+    return kept;
+}
+
+static enum rk_status read_forces(const char *path, const struct rk_span *span,
+                                  struct rk_observable *out, struct rk_error *err) {
+    struct rk_h5 h5;
+    struct contacts c = {0};
+    struct rk_h5_guard guard = rk_h5_enter();
+    rk_h5_open(&h5, path, err);
+    if (h5.status == RK_OK && !rk_h5_has(&h5, "contacts")) {
+        h5.status = rk_fail(err, RK_EINVALID,
+                            "'%.200s' has no contacts; a study with 'run: {contacts: yes}' records "
+                            "them with every frame (run.frames)",
+                            path);
+    } else if (h5.status == RK_OK) {
+        read_contacts(&h5, &c);
+    }
+    enum rk_status status = rk_h5_close(&h5);
+    rk_h5_leave(guard);
+    if (status == RK_OK && !is_whole(&c)) {
+        status = rk_fail(err, RK_EFORMAT, "'%.200s': its contacts do not fit its frames", path);
+    }
+    if (status == RK_OK) {
+        *out = (struct rk_observable){.values = c.force, .samples = choose(&c, span)};
+        c.force = NULL;
+    }
+    free(c.count);
+    free(c.step);
+    free(c.second);
+    free(c.force);
+    return status;
+}
+
+/* ---- Files ---- */
+
 enum rk_status rk_store_read_file(const char *path, const char *name, struct rk_observable *out,
                                   struct rk_error *err) {
     *out = (struct rk_observable){0};
@@ -87,10 +159,17 @@ enum rk_status rk_store_read_file(const char *path, const char *name, struct rk_
     return status == RK_OK ? read_guarded(path, name, out, err) : status;
 }
 
-enum rk_status rk_store_read(const char *folder, const struct rk_plan *plan,
-                             const struct rk_run *run, const char *name, struct rk_observable *out,
-                             struct rk_error *err) {
+enum rk_status rk_store_read_file_forces(const char *path, const struct rk_span *span,
+                                         struct rk_observable *out, struct rk_error *err) {
     *out = (struct rk_observable){0};
+    struct rk_seal seal;
+    enum rk_status status = rk_seal_verify(path, &seal, err);
+    return status == RK_OK ? read_forces(path, span, out, err) : status;
+}
+
+/* The file of a run of this plan, whole and of the length that the plan asks for. */
+static enum rk_status find(const char *folder, const struct rk_plan *plan, const struct rk_run *run,
+                           struct rk_path *out, struct rk_error *err) {
     struct rk_path path;
     struct rk_seal seal;
     enum rk_status status = rk_path_of_run(&path, folder, run->id, ".h5", err);
@@ -110,5 +189,24 @@ enum rk_status rk_store_read(const char *folder, const struct rk_plan *plan,
         status = rk_fail(err, RK_EFORMAT, "'%.200s' is of a retry that the study does not have",
                          path.text);
     }
+    *out = path;
+    return status;
+}
+
+enum rk_status rk_store_read(const char *folder, const struct rk_plan *plan,
+                             const struct rk_run *run, const char *name, struct rk_observable *out,
+                             struct rk_error *err) {
+    struct rk_path path;
+    *out = (struct rk_observable){0};
+    enum rk_status status = find(folder, plan, run, &path, err);
     return status == RK_OK ? read_guarded(path.text, name, out, err) : status;
+}
+
+enum rk_status rk_store_read_forces(const char *folder, const struct rk_plan *plan,
+                                    const struct rk_run *run, const struct rk_span *span,
+                                    struct rk_observable *out, struct rk_error *err) {
+    struct rk_path path;
+    *out = (struct rk_observable){0};
+    enum rk_status status = find(folder, plan, run, &path, err);
+    return status == RK_OK ? read_forces(path.text, span, out, err) : status;
 }

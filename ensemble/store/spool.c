@@ -17,15 +17,18 @@ struct header {
 };
 static const uint64_t magic = 0x316c6f6f70736b52; /* "Rkspool1" */
 
-/* A record: kind, step, payload, sum of all that; every one a whole number of 8 bytes. */
+/* A record: kind, step, payload, sum of all that; every one a whole number of 8 bytes. The payload
+ * of contacts begins with their number. */
 struct rk_spool {
     FILE *file;
     struct rk_path path;
     struct rk_spool_shape shape;
-    uint64_t length;   /* of the whole file, in bytes */
-    uint64_t count[3]; /* records by kind */
-    uint64_t at;       /* where the next record is read from */
-    uint64_t *record;  /* of the larger kind */
+    uint64_t length;                       /* of the whole file, in bytes */
+    uint64_t count[RK_SPOOL_CONTACTS + 1]; /* records by kind */
+    uint64_t contacts;                     /* in all of them */
+    uint64_t at;                           /* where the next record is read from */
+    uint64_t *record;
+    uint64_t room; /* words of the largest payload so far */
 };
 enum { KIND, STEP, PAYLOAD };
 
@@ -40,9 +43,14 @@ static struct header header_of(const struct rk_spool_shape *shape) {
     return header;
 }
 
-/* Payload of a kind in words of 8 bytes; a frame of an odd number of floats is padded. */
+/* Payload of a kind in words of 8 bytes, the last one padded. */
 static uint64_t words_of(const struct rk_spool_shape *shape, uint64_t kind) {
     return kind == RK_SPOOL_ROW ? shape->columns : shape->floats / 2 + shape->floats % 2;
+}
+
+static uint64_t words_of_contacts(uint64_t count) {
+    const uint64_t bytes = count * sizeof(struct rk_spool_contact);
+    return 1 + bytes / sizeof(uint64_t) + (bytes % sizeof(uint64_t) > 0);
 }
 
 static enum rk_status fail_file(const struct rk_spool *spool, const char *verb,
@@ -54,6 +62,17 @@ static enum rk_status damaged(const struct rk_spool *spool, struct rk_error *err
     return rk_fail(err, RK_EFORMAT, "'%s' is damaged", spool->path.text);
 }
 
+static enum rk_status make_room(struct rk_spool *spool, uint64_t words, struct rk_error *err) {
+    if (spool->record && words <= spool->room) {
+        return RK_OK;
+    }
+    free(spool->record);
+    spool->record = rk_array_create(words + PAYLOAD + 1, sizeof *spool->record);
+    spool->room = words;
+    return spool->record ? RK_OK
+                         : rk_fail(err, RK_EMEMORY, "not enough memory for the records of a run");
+}
+
 static enum rk_status open_file(const char *path, const struct rk_spool_shape *shape,
                                 const char *mode, struct rk_spool **out, struct rk_error *err) {
     struct rk_spool *spool = calloc(1, sizeof *spool);
@@ -62,10 +81,9 @@ static enum rk_status open_file(const char *path, const struct rk_spool_shape *s
     }
     spool->shape = *shape;
     uint64_t row = words_of(shape, RK_SPOOL_ROW), frame = words_of(shape, RK_SPOOL_FRAME);
-    spool->record = rk_array_create((row > frame ? row : frame) + PAYLOAD + 1, sizeof(uint64_t));
-    enum rk_status status = rk_path_set(&spool->path, err, "%s", path);
-    if (!spool->record) {
-        status = rk_fail(err, RK_EMEMORY, "not enough memory for the records of a run");
+    enum rk_status status = make_room(spool, row > frame ? row : frame, err);
+    if (status == RK_OK) {
+        status = rk_path_set(&spool->path, err, "%s", path);
     }
     if (status == RK_OK && !(spool->file = fopen(path, mode))) {
         status = errno == ENOENT && mode[0] == 'r'
@@ -113,16 +131,12 @@ enum rk_status rk_spool_create(const char *path, const struct rk_spool_shape *sh
     return RK_OK;
 }
 
-static enum rk_status append(struct rk_spool *spool, uint64_t kind, uint64_t step,
-                             const void *payload, size_t bytes, struct rk_error *err) {
-    uint64_t words = words_of(&spool->shape, kind);
+/* Write the record, whose payload of that many words is in place. */
+static enum rk_status append(struct rk_spool *spool, uint64_t kind, uint64_t step, uint64_t words,
+                             struct rk_error *err) {
     uint64_t *record = spool->record;
     record[KIND] = kind;
     record[STEP] = step;
-    if (words > 0) {
-        record[PAYLOAD + words - 1] = 0;
-        memcpy(record + PAYLOAD, payload, bytes);
-    }
     record[PAYLOAD + words] = XXH64(record, (PAYLOAD + words) * sizeof *record, 0);
     size_t count = PAYLOAD + words + 1;
     if (fwrite(record, sizeof *record, count, spool->file) != count) {
@@ -133,14 +147,43 @@ static enum rk_status append(struct rk_spool *spool, uint64_t kind, uint64_t ste
     return RK_OK;
 }
 
+static enum rk_status append_fixed(struct rk_spool *spool, enum rk_spool_kind kind, uint64_t step,
+                                   const void *payload, size_t bytes, struct rk_error *err) {
+    uint64_t words = words_of(&spool->shape, kind);
+    if (words > 0) {
+        spool->record[PAYLOAD + words - 1] = 0;
+        memcpy(spool->record + PAYLOAD, payload, bytes);
+    }
+    return append(spool, kind, step, words, err);
+}
+
 enum rk_status rk_spool_row(struct rk_spool *spool, uint64_t step, const double *row,
                             struct rk_error *err) {
-    return append(spool, RK_SPOOL_ROW, step, row, spool->shape.columns * sizeof *row, err);
+    return append_fixed(spool, RK_SPOOL_ROW, step, row, spool->shape.columns * sizeof *row, err);
 }
 
 enum rk_status rk_spool_frame(struct rk_spool *spool, uint64_t step, const float *frame,
                               struct rk_error *err) {
-    return append(spool, RK_SPOOL_FRAME, step, frame, spool->shape.floats * sizeof *frame, err);
+    return append_fixed(spool, RK_SPOOL_FRAME, step, frame, spool->shape.floats * sizeof *frame,
+                        err);
+}
+
+enum rk_status rk_spool_contacts(struct rk_spool *spool, uint64_t step,
+                                 const struct rk_spool_contact *contacts, size_t count,
+                                 struct rk_error *err) {
+    uint64_t words = words_of_contacts(count);
+    enum rk_status status = make_room(spool, words, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    spool->record[PAYLOAD + words - 1] = 0;
+    spool->record[PAYLOAD] = count;
+    if (count > 0) {
+        memcpy(spool->record + PAYLOAD + 1, contacts, count * sizeof *contacts);
+    }
+    status = append(spool, RK_SPOOL_CONTACTS, step, words, err);
+    spool->contacts += status == RK_OK ? count : 0;
+    return status;
 }
 
 enum rk_status rk_spool_sync(struct rk_spool *spool, uint64_t *length, struct rk_error *err) {
@@ -157,6 +200,10 @@ uint64_t rk_spool_rows(const struct rk_spool *spool) {
 
 uint64_t rk_spool_frames(const struct rk_spool *spool) {
     return spool->count[RK_SPOOL_FRAME];
+}
+
+uint64_t rk_spool_contact_count(const struct rk_spool *spool) {
+    return spool->contacts;
 }
 
 /* A seek flushes what is buffered and lets a stream turn between reading and writing. */
@@ -184,25 +231,50 @@ static enum rk_status take(struct rk_spool *spool, uint64_t *words, size_t count
     return RK_OK;
 }
 
+/* What follows kind and step, the sum included. A number of contacts is believed when the file has
+ * that many bytes left. */
+static enum rk_status take_payload(struct rk_spool *spool, uint64_t *words, struct rk_error *err) {
+    uint64_t kind = spool->record[KIND], step = spool->record[STEP], count;
+    if (kind == RK_SPOOL_ROW || kind == RK_SPOOL_FRAME) {
+        *words = words_of(&spool->shape, kind);
+        return take(spool, spool->record + PAYLOAD, *words + 1, err);
+    }
+    if (kind != RK_SPOOL_CONTACTS) {
+        return damaged(spool, err);
+    }
+    enum rk_status status = take(spool, &count, 1, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    if (count > (spool->length - spool->at) / sizeof(struct rk_spool_contact)) {
+        return damaged(spool, err);
+    }
+    *words = words_of_contacts(count);
+    status = make_room(spool, *words, err);
+    if (status != RK_OK) {
+        return status;
+    }
+    spool->record[KIND] = kind;
+    spool->record[STEP] = step;
+    spool->record[PAYLOAD] = count;
+    return take(spool, spool->record + PAYLOAD + 1, *words, err);
+}
+
 enum rk_status rk_spool_next(struct rk_spool *spool, struct rk_spool_record *out,
                              struct rk_error *err) {
     *out = (struct rk_spool_record){.kind = RK_SPOOL_END};
     if (spool->at == spool->length) {
         return seek(spool, spool->length, err);
     }
-    uint64_t *record = spool->record;
-    enum rk_status status = take(spool, record, PAYLOAD, err);
+    uint64_t words = 0;
+    enum rk_status status = take(spool, spool->record, PAYLOAD, err);
+    if (status == RK_OK) {
+        status = take_payload(spool, &words, err);
+    }
     if (status != RK_OK) {
         return status;
     }
-    if (record[KIND] != RK_SPOOL_ROW && record[KIND] != RK_SPOOL_FRAME) {
-        return damaged(spool, err);
-    }
-    uint64_t words = words_of(&spool->shape, record[KIND]);
-    status = take(spool, record + PAYLOAD, words + 1, err);
-    if (status != RK_OK) {
-        return status;
-    }
+    const uint64_t *record = spool->record;
     if (record[PAYLOAD + words] != XXH64(record, (PAYLOAD + words) * sizeof *record, 0)) {
         return damaged(spool, err);
     }
@@ -210,6 +282,8 @@ enum rk_status rk_spool_next(struct rk_spool *spool, struct rk_spool_record *out
     out->step = record[STEP];
     out->row = (const double *)(record + PAYLOAD);
     out->frame = (const float *)(record + PAYLOAD);
+    out->contacts = (const struct rk_spool_contact *)(record + PAYLOAD + 1);
+    out->contact_count = out->kind == RK_SPOOL_CONTACTS ? (size_t)record[PAYLOAD] : 0;
     return RK_OK;
 }
 
@@ -217,15 +291,17 @@ enum rk_status rk_spool_next(struct rk_spool *spool, struct rk_spool_record *out
 static enum rk_status check_records(struct rk_spool *spool, struct rk_error *err) {
     struct rk_spool_record record;
     enum rk_status status = rk_spool_rewind(spool, err);
-    uint64_t count[3] = {0};
+    uint64_t count[RK_SPOOL_CONTACTS + 1] = {0}, contacts = 0;
     while (status == RK_OK) {
         status = rk_spool_next(spool, &record, err);
         if (status == RK_OK && record.kind == RK_SPOOL_END) {
             break;
         }
         count[record.kind]++;
+        contacts += record.contact_count;
     }
     memcpy(spool->count, count, sizeof count);
+    spool->contacts = contacts;
     return status;
 }
 

@@ -161,7 +161,8 @@ enum rk_status rk_worker_retire(struct rk_worker *worker, struct rk_error *err) 
     enum rk_status status =
         rk_path_set(&hidden, err, "%s/at_work/.%s", worker->folder, worker->name);
     if (status == RK_OK && rename(worker->path.text, hidden.text) != 0) {
-        status = rk_fail_system(err, "write", hidden.text);
+        status = errno == ENOENT ? rk_fail(err, RK_ECONFLICT, "others took this program for dead")
+                                 : rk_fail_system(err, "write", hidden.text);
     }
     if (status == RK_OK) {
         worker->path = hidden;

@@ -37,7 +37,7 @@ enum rk_status rk_worker_begin(const char *folder, struct rk_worker **worker, st
 void rk_worker_end(struct rk_worker *worker);
 
 /* Leave the listing, so that whoever leaves last can tell that it is alone, but stay until
- * rk_worker_end. No claim may be held. */
+ * rk_worker_end. No claim may be held. RK_ECONFLICT: somebody took this worker for dead. RK_EIO. */
 enum rk_status rk_worker_retire(struct rk_worker *worker, struct rk_error *err);
 
 const char *rk_worker_name(const struct rk_worker *worker);

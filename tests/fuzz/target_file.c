@@ -96,6 +96,7 @@ static const struct rk_spool_shape shape = {
 static void *spool_seed(size_t k, size_t *size) {
     const double row[3] = {1, 2, 3};
     const float frame[5] = {1, 2, 3, 4, 5};
+    const struct rk_spool_contact contacts[2] = {{0, 1, 2, 3, 4}, {5, -6, 7, 8, 9}};
     const char *path = temporary(".spool");
     struct rk_spool *spool;
     uint64_t length;
@@ -105,6 +106,8 @@ static void *spool_seed(size_t k, size_t *size) {
     fuzz_check(rk_spool_create(path, &shape, &spool, NULL) == RK_OK, "no spool");
     for (uint64_t step = 0; step < 6; step++) {
         fuzz_check(rk_spool_row(spool, step, row, NULL) == RK_OK, "no row");
+        fuzz_check(step % 3 || rk_spool_contacts(spool, step, contacts, 2, NULL) == RK_OK,
+                   "no contacts");
         fuzz_check(step % 3 || rk_spool_frame(spool, step, frame, NULL) == RK_OK, "no frame");
     }
     fuzz_check(rk_spool_sync(spool, &length, NULL) == RK_OK, "not written");

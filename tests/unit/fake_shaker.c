@@ -72,6 +72,17 @@ bool rk_scene_rotates(const struct rk_scene *scene) {
     return scene->rotates;
 }
 
+/* Nothing touches. */
+size_t rk_scene_contacts(const struct rk_scene *scene) {
+    (void)scene;
+    return 0;
+}
+
+void rk_scene_contact(const struct rk_scene *scene, size_t i, struct rk_contact *contact) {
+    (void)scene;
+    *contact = (struct rk_contact){.first = (uint32_t)i};
+}
+
 void rk_scene_snapshot(const struct rk_scene *scene, const struct rk_snapshot *out) {
     for (size_t i = 0; i < scene->state.grains; i++) {
         const double *p = scene->state.place[i];

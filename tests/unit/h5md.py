@@ -67,6 +67,31 @@ def check_observables(run):
             assert column["value"].shape == (SAMPLES,)
 
 
+def check_contacts(run, rotates):
+    """What touches and what presses, recorded in two ways: per contact and by the probes."""
+    contacts, probes = run["contacts"], run["observables"]
+    every = (SAMPLES - 1) // (FRAMES - 1)
+    count = contacts["count"][:]
+    assert count.shape == (FRAMES,) and contacts["steps_per_period"][()] == STEPS_A_PERIOD
+    assert contacts["step"][:].tolist() == run["particles/grains/position/step"][:].tolist()
+    columns = "first", "second", "angle", "normal_force", "tangential_force"
+    ends = count.cumsum()
+    for name in columns:
+        assert contacts[name].shape == (ends[-1],), name
+    for frame, end in enumerate(ends):
+        _, second, angle, normal, tangential = (
+            contacts[name][end - count[frame] : end].astype(float) for name in columns)
+        ends_of_contacts = 2 * (second >= 0).sum() + (second < 0).sum()
+        assert ends_of_contacts / GRAINS == probes["bed/coordination/value"][frame * every]
+        on_plate = second == -1  # wall 0; a force and its angle are floats
+        for axis, force in (("x", normal * numpy.cos(angle) - tangential * numpy.sin(angle)),
+                            ("y", normal * numpy.sin(angle) + tangential * numpy.cos(angle))):
+            allowed = 4 * numpy.finfo(numpy.float32).eps * numpy.hypot(normal, tangential)[on_plate].sum()
+            probed = probes[f"plate/force_{axis}/value"][frame * every]
+            assert abs(force[on_plate].sum() - probed) <= allowed
+        assert rotates or (tangential == 0).all()
+
+
 def check_provenance(run, name):
     about = run["provenance"].attrs
     assert text(about["run"]) == name and about["seed"] == 11 and text(about["status"]) == "done"
@@ -109,6 +134,7 @@ def main():
                 check_h5md(file)
                 check_grains(file, periodic=run < "q", rotates=run > "q")
                 check_observables(file)
+                check_contacts(file, rotates=run > "q")
                 check_provenance(file, run)
         check_index(folder)
         check_gap(folder)

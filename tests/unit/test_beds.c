@@ -109,9 +109,10 @@ static void every_parameter_is_in_the_bed_or_not(void **state) {
 /* What a physicist expects of the Brazil nut box. */
 static void the_drive_and_the_length_share_beds(void **state) {
     (void)state;
-    static const char *const sharing[] = {
-        "drive.acceleration", "drive.period", "drive.phase", "accuracy.step",      "run.periods",
-        "run.samples",        "run.frames",   "run.threads", "accuracy.neighbours"};
+    static const char *const sharing[] = {"drive.acceleration", "drive.period", "drive.phase",
+                                          "accuracy.step",      "run.periods",  "run.samples",
+                                          "run.frames",         "run.contacts", "run.threads",
+                                          "accuracy.neighbours"};
     const size_t count = sizeof sharing / sizeof *sharing;
     const struct rk_param_table *table = rk_case_bne.params;
     size_t found = 0;

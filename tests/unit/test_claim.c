@@ -231,9 +231,25 @@ static void records_are_read_back(void **state) {
     rk_worker_end(me);
 }
 
+/* A worker whose record others have removed learns of it, also at the moment when it leaves. */
+static void the_buried_are_told(void **state) {
+    const struct fixture *f = *state;
+    struct rk_worker *me;
+    struct rk_error err = RK_NO_ERROR;
+    assert_int_equal(rk_worker_begin(f->folder, &me, &err), RK_OK);
+    assert_true(rk_worker_known(me));
+    char name[300];
+    snprintf(name, sizeof name, "at_work/%s", rk_worker_name(me));
+    assert_int_equal(unlink(scratch_path(f->folder, name)), 0);
+    assert_false(rk_worker_known(me));
+    assert_int_equal(rk_worker_retire(me, &err), RK_ECONFLICT);
+    rk_worker_end(me);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(records_are_read_back, make, clear),
+        cmocka_unit_test_setup_teardown(the_buried_are_told, make, clear),
         cmocka_unit_test_setup_teardown(threads_exclude_each_other, make, clear),
         cmocka_unit_test_setup_teardown(nobody_shares_a_claim, make, clear),
     };

@@ -27,11 +27,18 @@ static int clear(void **state) {
     return 0;
 }
 
+static size_t contacts_at(uint64_t i) {
+    return i / 2 % 4;
+}
+
 static void append(struct rk_spool *spool, uint64_t from, uint64_t count) {
     for (uint64_t i = from; i < from + count; i++) {
         double row[3] = {(double)i, 2.0 * (double)i, -1};
         assert_int_equal(rk_spool_row(spool, i * 10, row, NULL), RK_OK);
         if (i % 2 == 0) {
+            struct rk_spool_contact contacts[3] = {{(int32_t)i, -1, 0.5F, 1, 2}, {3, 4, 5, 6, 7}};
+            assert_int_equal(rk_spool_contacts(spool, i * 10, contacts, contacts_at(i), NULL),
+                             RK_OK);
             float frame[5] = {(float)i, 1, 2, 3, 4};
             assert_int_equal(rk_spool_frame(spool, i * 10, frame, NULL), RK_OK);
         }
@@ -47,6 +54,11 @@ static void expect_records(struct rk_spool *spool, uint64_t count) {
         assert_int_equal(record.step, i * 10);
         assert_true(record.row[1] == 2.0 * (double)i);
         if (i % 2 == 0) {
+            assert_int_equal(rk_spool_next(spool, &record, NULL), RK_OK);
+            assert_int_equal(record.kind, RK_SPOOL_CONTACTS);
+            assert_int_equal(record.contact_count, contacts_at(i));
+            assert_true(record.contact_count == 0 || record.contacts[0].first == (int32_t)i);
+            assert_true(record.contact_count < 2 || record.contacts[1].tangential == 7);
             assert_int_equal(rk_spool_next(spool, &record, NULL), RK_OK);
             assert_int_equal(record.kind, RK_SPOOL_FRAME);
             assert_true(record.frame[0] == (float)i && record.frame[4] == 4);
@@ -67,6 +79,7 @@ static void a_spool_gives_back_its_records(void **state) {
     assert_int_equal(rk_spool_sync(spool, &length, NULL), RK_OK);
     assert_int_equal(rk_spool_rows(spool), 107);
     assert_int_equal(rk_spool_frames(spool), 54);
+    assert_int_equal(rk_spool_contact_count(spool), 13 * 6 + 0 + 1);
     rk_spool_close(spool);
 }
 
