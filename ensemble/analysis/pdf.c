@@ -41,6 +41,17 @@ static const struct rk_param_table table = {groups, 1, sizeof(struct options)};
 static enum rk_status check(const void *params, const struct rk_schedule *schedule,
                             struct rk_error *err) {
     const struct options *p = params;
+    if (p->bootstrap > 0 && p->bootstrap < 100) {
+        return rk_fail_about(err, RK_EINVALID, "bootstrap",
+                             "bootstrap: %llu resamplings are too few; 0 for none, else at least "
+                             "100",
+                             (unsigned long long)p->bootstrap);
+    }
+    if (p->goodness > 0 && p->goodness < 50) {
+        return rk_fail_about(err, RK_EINVALID, "goodness",
+                             "goodness: %llu samples are too few; 0 for none, else at least 50",
+                             (unsigned long long)p->goodness);
+    }
     return rk_analysis_check_span(p->from, p->to, schedule, err);
 }
 

@@ -199,9 +199,8 @@ static bool is_folder(const char *path) {
 enum rk_status rk_report_plot_check(const char *path, struct rk_error *err) {
     char folder[4096], name[RK_NAME];
     if (is_folder(path)) {
-        return rk_fail(err, RK_EINVALID,
-                       "'%.200s' is a folder; name the picture in it, '%.200s/picture.png'", path,
-                       path);
+        return rk_fail(err, RK_EINVALID, "'%.200s' is a folder; name the picture in it, '%.200s%s'",
+                       path, path, path[strlen(path) - 1] == '/' ? "x.png" : "/x.png");
     }
     enum rk_status status = split_path(path, folder, name, err);
     if (status == RK_OK && !is_folder(folder)) {

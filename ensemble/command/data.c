@@ -71,6 +71,17 @@ static enum rk_status settle(enum rk_status status, struct rk_result *result,
                                                       : status;
 }
 
+/* What is wrong with an option is not wrong with the data. */
+static int complain(const char *operand, const struct rk_error *why) {
+    struct rk_error err = *why;
+    if (why->subject[0] != '\0') {
+        rk_fail(&err, why->status, "--%s: %.400s", why->subject, why->message);
+    } else {
+        rk_error_locate(&err, "%s", operand);
+    }
+    return rk_complain(&err);
+}
+
 int rk_data_give(const struct rk_data_command *command, const char *operand,
                  const struct rk_data_options *o, const void *input, const struct rk_data *data) {
     struct rk_error err = RK_NO_ERROR;
@@ -98,8 +109,7 @@ int rk_data_give(const struct rk_data_command *command, const char *operand,
         status = rk_fail(&err, RK_EREFUSED, "%s", result.verdict);
     }
     if (status != RK_OK) {
-        rk_error_locate(&err, "%s", operand);
-        code = rk_complain(&err);
+        code = complain(operand, &err);
     }
     rk_result_clear(&result);
     return code;

@@ -74,9 +74,16 @@ struct rk_data_label rk_data_label(const struct rk_data *data, bool rate);
 /* The unit of the rate that is averaged: of the samples, or of what they are the integral of. */
 const char *rk_data_rate_unit(const struct rk_data *data);
 
+/* "file.h5:/path/to/dataset": where the path begins, NULL in another operand. */
+const char *rk_data_dataset(const char *operand);
+
 /* Is the operand a folder? The file of a run, "*.h5" without a dataset? */
 bool rk_data_is_folder(const char *operand);
 bool rk_data_is_run(const char *operand);
+
+/* Is there a file or folder of that name, or of that before the name of a dataset, and can it hold
+ * data? RK_EINVALID. */
+enum rk_status rk_data_check_there(const char *operand, struct rk_error *err);
 
 /* An option that would be passed over for such an operand is refused with RK_EINVALID: a
  * misunderstanding, not a wish. */

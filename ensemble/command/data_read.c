@@ -5,36 +5,11 @@
 #include "ensemble/input/table.h"
 #include "ensemble/store.h"
 #include "ensemble/store/columns.h"
-#include "ensemble/store/files.h"
 
 #include <ctype.h>
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-
-/* "file.h5:/path/to/dataset": where the path begins, or NULL. */
-static const char *dataset_in(const char *operand) {
-    struct stat about;
-    const char *found = NULL;
-    for (const char *c = operand; (c = strstr(c, ":/")) != NULL; c++) {
-        found = c + 1;
-    }
-    return found && stat(operand, &about) != 0 ? found : NULL;
-}
-
-bool rk_data_is_folder(const char *operand) {
-    struct stat about;
-    return stat(operand, &about) == 0 && S_ISDIR(about.st_mode);
-}
-
-bool rk_data_is_run(const char *operand) {
-    size_t length = strlen(operand);
-    struct stat about;
-    return length > 3 && strcmp(operand + length - 3, ".h5") == 0 && !dataset_in(operand) &&
-           stat(operand, &about) == 0;
-}
 
 static const char *observable_unit(const char *name) {
     for (size_t p = 0; p < rk_probe_registry.count; p++) {
@@ -79,85 +54,6 @@ const char *rk_data_rate_unit(const struct rk_data *data) {
     return strcmp(data->unit, "d") == 0 ? "sqrt(g d)" : "";
 }
 
-/* Is there a file or folder of that name, or of that before the name of a dataset? */
-static enum rk_status check_there(const char *operand, struct rk_error *err) {
-    struct stat about;
-    const char *dataset = dataset_in(operand);
-    struct rk_path path;
-    int length = dataset ? (int)(dataset - 1 - operand) : (int)strlen(operand);
-    enum rk_status status = rk_path_set(&path, err, "%.*s", length, operand);
-    if (status == RK_OK && stat(path.text, &about) != 0 && errno == ENOENT) {
-        if (!dataset && strstr(operand, ".h5:")) {
-            return rk_fail(err, RK_EINVALID, "%.200s: the name of a dataset begins with '/'",
-                           operand);
-        }
-        status = rk_fail(err, RK_EINVALID, "%.200s: there is no such file%s", path.text,
-                         dataset ? "" : " or folder");
-    }
-    return status;
-}
-
-enum rk_status rk_data_check(const struct rk_data_options *o, const char *operand,
-                             struct rk_error *err) {
-    bool folder = rk_data_is_folder(operand), run = !folder && rk_data_is_run(operand);
-    if (check_there(operand, err) != RK_OK) {
-        return RK_EINVALID;
-    }
-    if (o->json && o->csv) {
-        return rk_fail(err, RK_EINVALID, "--json and --csv: choose one of them");
-    }
-    if (o->column && o->replica && strcmp(o->column, o->replica) == 0) {
-        return rk_fail(err, RK_EINVALID,
-                       "--column and --replica both name '%.64s': one has the data, the other says "
-                       "which replica a row is of",
-                       o->column);
-    }
-    if ((folder || run) && (o->column || o->replica)) {
-        return rk_fail(err, RK_EINVALID, "--column and --replica are for CSV files");
-    }
-    if ((folder || run) && o->interval != 1) {
-        return rk_fail(err, RK_EINVALID, "--interval is for files: a study knows its own");
-    }
-    if (!folder && o->point) {
-        return rk_fail(err, RK_EINVALID, "--point is for the folder of a study");
-    }
-    if (!folder && !run && strcmp(o->observable, RK_REPORT_OBSERVABLE) != 0) {
-        return rk_fail(err, RK_EINVALID, "--observable is for a study or the file of a run");
-    }
-    return o->plot ? rk_data_spare(operand, o->plot, "", err) : RK_OK;
-}
-
-static bool same_file(const char *a, const char *b) {
-    struct stat first, second;
-    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
-           first.st_ino == second.st_ino;
-}
-
-enum rk_status rk_data_spare(const char *operand, const char *plot, const char *ending,
-                             struct rk_error *err) {
-    static const char *const kinds[] = {"csv", "gp", "png"};
-    const char *dot = strrchr(plot, '.');
-    if (rk_report_plot_check(plot, err) != RK_OK) {
-        rk_error_locate(err, "--plot");
-        return RK_EINVALID;
-    }
-    for (size_t i = 0; dot && i < sizeof kinds / sizeof *kinds; i++) {
-        struct rk_path beside;
-        enum rk_status status =
-            rk_path_set(&beside, err, "%.*s%s.%s", (int)(dot - plot), plot, ending, kinds[i]);
-        if (status != RK_OK) {
-            return status;
-        }
-        if (same_file(operand, beside.text)) {
-            return rk_fail(err, RK_EINVALID,
-                           "--plot %.200s would write over the data in '%.200s'; choose another "
-                           "name",
-                           plot, operand);
-        }
-    }
-    return RK_OK;
-}
-
 static enum rk_status read_run(const char *operand, const struct rk_data_options *o,
                                struct rk_data *data, struct rk_error *err) {
     struct rk_observable recorded;
@@ -184,7 +80,7 @@ static enum rk_status read_run(const char *operand, const struct rk_data_options
 
 static enum rk_status read_file(const char *operand, const struct rk_data_options *o,
                                 struct rk_data *data, struct rk_error *err) {
-    const char *path = dataset_in(operand);
+    const char *path = rk_data_dataset(operand);
     if (rk_data_is_run(operand)) {
         return read_run(operand, o, data, err);
     }

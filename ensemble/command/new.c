@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 struct new_options {
     const char *output;
@@ -134,8 +135,11 @@ static enum rk_status write_study(FILE *out, const struct rk_case *scene, struct
 
 /* A file that is there stays as it is: it may be somebody's study. */
 static FILE *open_output(const char *path, struct rk_error *err) {
+    struct stat about;
     FILE *out = path ? fopen(path, "wx") : stdout;
-    if (!out && errno == EEXIST) {
+    if (!out && errno == EEXIST && stat(path, &about) == 0 && S_ISDIR(about.st_mode)) {
+        rk_fail(err, RK_EINVALID, "is a folder; name the file in it that is to be written");
+    } else if (!out && errno == EEXIST) {
         rk_fail(err, RK_ECONFLICT, "there is a file of that name already; it is left as it is");
     } else if (!out) {
         rk_fail(err, RK_EIO, "cannot write the file: %s", strerror(errno));

@@ -5,9 +5,7 @@
 #include "ensemble/command/data.h"
 #include "stats/stats.h"
 
-#include <errno.h>
 #include <stdlib.h>
-#include <sys/stat.h>
 
 struct resonance_options {
     struct rk_data_options data;
@@ -171,14 +169,10 @@ static int resonance(const void *options, size_t count, char *const *operands) {
     struct resonance_options o = *(const struct resonance_options *)options;
     struct rk_error err = RK_NO_ERROR;
     struct rk_study *study = NULL;
-    struct stat about;
-    bool there = stat(operands[0], &about) == 0, folder = there && S_ISDIR(about.st_mode);
+    bool folder = rk_data_is_folder(operands[0]);
     (void)count;
-    if (!there && errno == ENOENT) {
-        rk_fail(&err, RK_EINVALID, "%.200s: there is no such file or folder", operands[0]);
-        return rk_complain(&err);
-    }
-    if (check_options(&o, operands[0], folder, &err) != RK_OK) {
+    if (rk_data_check_there(operands[0], &err) != RK_OK ||
+        check_options(&o, operands[0], folder, &err) != RK_OK) {
         return rk_complain(&err);
     }
     if (folder) {
