@@ -138,7 +138,7 @@ static const struct rk_option options[] = {
      AT(windows),
      .argument = "N,N,..",
      .doc = "several lengths: their table and the limit of long windows"},
-    RK_DATA_SPAN_ROWS(rk_ldf_wish),
+    RK_DATA_SPAN_ROWS(rk_ldf_wish, RK_DATA_SPAN_DOC),
     {.name = "symmetry",
      .type = RK_OPTION_FLAG,
      AT(symmetry),

@@ -200,7 +200,7 @@ static const struct rk_option options[] = {
      AT(rate),
      .argument = "NAME",
      .doc = "column with the rate of one replica at that period"},
-    RK_DATA_SPAN_ROWS(resonance_options),
+    RK_DATA_SPAN_ROWS(resonance_options, "leave out what is before, in periods of a study"),
     RK_DATA_BOOTSTRAP_ROWS(resonance_options, "1000", 100, true),
     RK_DATA_OUTPUT_ROWS(resonance_options, true),
 };
