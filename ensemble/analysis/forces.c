@@ -89,20 +89,19 @@ static void picture(const struct rk_picture *p, FILE *out) {
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
         const struct rk_result *r = panel->result;
+        char alpha[96], beta[96], linked[96];
+        rk_analysis_say(alpha, sizeof alpha, 3, r, "alpha");
+        rk_analysis_say(beta, sizeof beta, 3, r, "beta");
+        rk_analysis_say(linked, sizeof linked, 3, r, "linked");
         rk_plot_panel(p, i, "probability density", out);
         rk_plot_density(panel, "forces", out);
         fprintf(out,
                 ", \\\n  f(x, %.17g, %.17g) with lines linewidth 2 linecolor rgb \"#0072b2\" "
-                "title \"alpha = %.3g [%.3g, %.3g], beta = %.3g [%.3g, %.3g]\" noenhanced, \\\n"
+                "title \"alpha = %s, beta = %s\" noenhanced, \\\n"
                 "  f(x, %.17g, %.17g) with lines linewidth 2 dashtype 2 linecolor rgb \"#d55e00\" "
-                "title \"alpha = %.3g [%.3g, %.3g], beta by the identity\" noenhanced\n",
-                rk_result_number(r, "alpha"), rk_result_number(r, "beta"),
-                rk_result_number(r, "alpha"), rk_result_number(r, "alpha_low"),
-                rk_result_number(r, "alpha_high"), rk_result_number(r, "beta"),
-                rk_result_number(r, "beta_low"), rk_result_number(r, "beta_high"),
-                rk_result_number(r, "linked"), rk_result_number(r, "linked_beta"),
-                rk_result_number(r, "linked"), rk_result_number(r, "linked_low"),
-                rk_result_number(r, "linked_high"));
+                "title \"alpha = %s, beta by the identity\" noenhanced\n",
+                rk_result_number(r, "alpha"), rk_result_number(r, "beta"), alpha, beta,
+                rk_result_number(r, "linked"), rk_result_number(r, "linked_beta"), linked);
     }
     fprintf(out, "unset multiplot\n");
 }

@@ -228,21 +228,13 @@ static const char head[] = "minimum [sqrt(g d)]             intervals for a in  
 
 static void headline(const struct rk_result *result, FILE *out) {
     char text[96];
-    snprintf(text, sizeof text, "%.3g [%.3g, %.3g]", rk_result_number(result, "minimum"),
-             rk_result_number(result, "minimum_low"), rk_result_number(result, "minimum_high"));
+    double low = rk_result_number(result, "interval_low");
+    rk_analysis_say(text, sizeof text, 3, result, "minimum");
     fprintf(out, "%-31s ", text);
-    snprintf(text, sizeof text, "[%.3g, %.3g]", rk_result_number(result, "interval_low"),
-             rk_result_number(result, "interval_high"));
-    fprintf(out, "%-20s ", text);
-    double zero = rk_result_number(result, "at_zero");
-    if (isfinite(zero)) {
-        rk_analysis_say_interval(text, sizeof text, 3, zero,
-                                 rk_result_number(result, "at_zero_low"),
-                                 rk_result_number(result, "at_zero_high"));
-        fprintf(out, "%s", text);
-    } else {
-        fprintf(out, "beyond the data");
-    }
+    snprintf(text, sizeof text, "[%.3g, %.3g]", low, rk_result_number(result, "interval_high"));
+    fprintf(out, "%-20s ", isfinite(low) ? text : "nowhere");
+    rk_analysis_say(text, sizeof text, 3, result, "at_zero");
+    fprintf(out, "%s", isfinite(rk_result_number(result, "at_zero")) ? text : "beyond the data");
 }
 
 static const char *const quantities[] = {"minimum", "at_zero", "curvature", NULL};

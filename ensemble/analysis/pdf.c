@@ -84,16 +84,8 @@ static const char head[] = "q                     b                     choice";
 static void headline(const struct rk_result *result, FILE *out) {
     const char *const shapes[] = {"q", "b"};
     for (size_t i = 0; i < 2; i++) {
-        char text[64], low[8], high[8];
-        snprintf(low, sizeof low, "%s_low", shapes[i]);
-        snprintf(high, sizeof high, "%s_high", shapes[i]);
-        double x = rk_result_number(result, shapes[i]);
-        if (isnan(x)) {
-            snprintf(text, sizeof text, "refused");
-        } else {
-            snprintf(text, sizeof text, "%.3g [%.3g, %.3g]", x, rk_result_number(result, low),
-                     rk_result_number(result, high));
-        }
+        char text[96];
+        rk_analysis_say(text, sizeof text, 3, result, shapes[i]);
         fprintf(out, "%-21s ", text);
     }
     fprintf(out, "%s", choice_name((enum rk_pdf_choice)rk_result_number(result, "choice")));
@@ -105,9 +97,7 @@ static void write_curve(const struct rk_panel *panel, size_t family, const char 
                         const char *what, const char *style, FILE *out) {
     const struct rk_pdf_family *f = rk_pdf_families[family];
     const char *shape = f->shape;
-    char low[8], high[8], scale[16], centre[16];
-    snprintf(low, sizeof low, "%s_low", shape);
-    snprintf(high, sizeof high, "%s_high", shape);
+    char text[96], scale[16], centre[16];
     snprintf(scale, sizeof scale, "%s_scale", shape);
     snprintf(centre, sizeof centre, "%s_location", shape);
     const struct rk_result *r = panel->result;
@@ -116,11 +106,12 @@ static void write_curve(const struct rk_panel *panel, size_t family, const char 
     if (isnan(curve.shape)) {
         return;
     }
+    rk_analysis_say(text, sizeof text, 3, r, shape);
     fprintf(out,
             ", \\\n  p = %.17g, c = %.17g, s(x) = ((x - (%.17g))/%.17g)**2, %s with lines %s title "
-            "\"%s, %s = %.3g [%.3g, %.3g]\"",
+            "\"%s, %s = %s\"",
             curve.shape, rk_pdf_density(&curve, curve.location), curve.location, curve.scale, form,
-            style, what, shape, curve.shape, rk_result_number(r, low), rk_result_number(r, high));
+            style, what, shape, text);
 }
 
 static void picture(const struct rk_picture *p, FILE *out) {

@@ -128,11 +128,10 @@ static enum rk_status estimate(const void *params, const struct rk_point_data *d
 static const char head[] = "relaxation time [sqrt(d/g)]   final height [d]";
 
 static void headline(const struct rk_result *result, FILE *out) {
-    char text[96];
-    snprintf(text, sizeof text, "%.3g [%.3g, %.3g]", rk_result_number(result, "time"),
-             rk_result_number(result, "time_low"), rk_result_number(result, "time_high"));
-    fprintf(out, "%-29s %.3g [%.3g, %.3g]", text, rk_result_number(result, "final"),
-            rk_result_number(result, "final_low"), rk_result_number(result, "final_high"));
+    char time[96], final[96];
+    rk_analysis_say(time, sizeof time, 3, result, "time");
+    rk_analysis_say(final, sizeof final, 3, result, "final");
+    fprintf(out, "%-29s %s", time, final);
 }
 
 static void picture(const struct rk_picture *p, FILE *out) {
@@ -147,19 +146,20 @@ static void picture(const struct rk_picture *p, FILE *out) {
         const char *colour = rk_plot_colour(i);
         const struct rk_result *r = panel->result;
         const struct rk_value *time = rk_result_find(r, "time");
+        char text[96];
+        rk_analysis_say(text, sizeof text, 3, r, "time");
         rk_plot_panel(p, i, ylabel, out);
         fprintf(out,
-                "set title \"%s%sT = %.3g [%.3g, %.3g] %s\" noenhanced\n"
+                "set title \"%s%sT = %s %s\" noenhanced\n"
                 "plot \"%s\" using \"elapsed\":\"low\":\"high\" with filledcurves fillcolor rgb "
                 "\"#c0%s\" title \"%g %% interval of the mean\", \\\n"
                 "  \"%s\" using \"elapsed\":\"mean\" with lines linewidth 1 linecolor rgb \"#%s\" "
                 "title \"mean\", \\\n"
                 "  \"%s\" using \"elapsed\":\"curve\" with lines linewidth 2 dashtype 2 linecolor "
                 "rgb \"#000000\" title \"%s exponential\"\n",
-                p->quantity ? "" : panel->point, p->quantity ? "" : ": ",
-                rk_result_number(r, "time"), rk_result_number(r, "time_low"),
-                rk_result_number(r, "time_high"), time ? time->unit : "", panel->file, colour,
-                100 * rk_result_number(r, "level"), panel->file, colour, panel->file,
+                p->quantity ? "" : panel->point, p->quantity ? "" : ": ", text,
+                time ? time->unit : "", panel->file, colour, 100 * rk_result_number(r, "level"),
+                panel->file, colour, panel->file,
                 rk_relax_form_name((enum rk_relax_form)rk_result_number(r, "form")));
     }
     fprintf(out, "unset multiplot\n");

@@ -116,10 +116,9 @@ void rk_data_print_picture(const char *path, const char *ending);
 #define RK_DATA_ROW(type, member) .offset = offsetof(struct type, data.member)
 /* clang-format off */
 #define RK_DATA_SPAN_DOC "leave out what is before: periods of a study or a run, else samples"
-#define RK_DATA_SPAN_ROWS(of, what)                                                                     \
+#define RK_DATA_SPAN_ROWS(of, what)                                                               \
     {.name = "from", .type = RK_OPTION_COUNT, RK_DATA_ROW(of, from), .argument = "N",             \
-     .fallback = "0", .high = 1e9, .of_study = true,                                              \
-     .doc = what},               \
+     .fallback = "0", .high = 1e9, .of_study = true, .doc = what},                                \
     {.name = "to", .type = RK_OPTION_COUNT, RK_DATA_ROW(of, to), .argument = "N",                 \
      .fallback = "0", .high = 1e9, .of_study = true,                                              \
      .doc = "leave out what is after; 0 is the end"}
@@ -127,7 +126,8 @@ void rk_data_print_picture(const char *path, const char *ending);
     {.name = "interval", .type = RK_OPTION_REAL, RK_DATA_ROW(of, interval), .argument = "T",      \
      .fallback = "1", .low = 1e-300, .high = 1e300, .doc = "time between two samples of a file"}
 #define RK_DATA_ROWS(of)                                                                          \
-    RK_DATA_SPAN_ROWS(of, RK_DATA_SPAN_DOC), RK_DATA_INTERVAL_ROWS(of), RK_DATA_FILE_ROWS(of), RK_DATA_STUDY_ROWS(of)
+    RK_DATA_SPAN_ROWS(of, RK_DATA_SPAN_DOC), RK_DATA_INTERVAL_ROWS(of), RK_DATA_FILE_ROWS(of),    \
+        RK_DATA_STUDY_ROWS(of)
 #define RK_DATA_FILE_ROWS(of)                                                                     \
     {.name = "column", .letter = 'c', .type = RK_OPTION_TEXT, RK_DATA_ROW(of, column),            \
      .argument = "NAME", .doc = "column of a CSV file, by name or number"},                       \
