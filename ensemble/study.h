@@ -89,6 +89,15 @@ struct rk_retry {
 enum { RK_RETRIES_MAX = 8 };
 extern const struct rk_param_table rk_retry_params;
 
+/* What may stand in the outermost map of a study file: name and doc; a value as an example where it
+ * is not plain from the doc, and a table of its own parameters, or NULL each. */
+struct rk_study_key {
+    struct rk_piece piece;
+    const char *example;
+    const struct rk_param_table *params;
+};
+extern const struct rk_registry rk_study_key_registry;
+
 struct rk_study {
     char name[RK_NAME];
     const struct rk_case *scene;

@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const struct rk_piece *const analyses[] = {
     &rk_analysis_rise.piece,  &rk_analysis_ldf.piece,     &rk_analysis_pdf.piece,
@@ -50,12 +51,34 @@ void rk_analysis_say(char *text, size_t size, int digits, const struct rk_result
                              rk_result_number(result, low), rk_result_number(result, high));
 }
 
+static void print_line(const struct rk_result *result, const char *name, int width,
+                       const char *text, FILE *out) {
+    const struct rk_value *value = rk_result_find(result, name);
+    const char *unit = value && strcmp(text, "refused") != 0 ? value->unit : "";
+    fprintf(out, "%-*s %s%s%s  %s\n", width, name, text, unit[0] != '\0' ? " " : "", unit,
+            value ? value->doc : "");
+}
+
 void rk_analysis_print_interval(const struct rk_result *result, const char *name, int width,
                                 FILE *out) {
     char text[96];
-    const struct rk_value *value = rk_result_find(result, name);
     rk_analysis_say(text, sizeof text, 6, result, name);
-    fprintf(out, "%-*s %s  %s\n", width, name, text, value ? value->doc : "");
+    print_line(result, name, width, text, out);
+}
+
+void rk_analysis_print_number(const struct rk_result *result, const char *name, int width,
+                              FILE *out) {
+    char text[32];
+    snprintf(text, sizeof text, "%.6g", rk_result_number(result, name));
+    print_line(result, name, width, text, out);
+}
+
+void rk_analysis_label(char *text, size_t size, const char *what, const struct rk_value *value) {
+    if (value && value->unit[0] != '\0') {
+        snprintf(text, size, "%s [%s]", what, value->unit);
+    } else {
+        snprintf(text, size, "%s", what);
+    }
 }
 
 enum rk_status rk_point_values_create(struct rk_point_values *values, size_t points, size_t room,

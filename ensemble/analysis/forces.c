@@ -41,7 +41,7 @@ static void fill_columns(struct rk_result *result, const struct rk_forces *force
     free(y);
 }
 
-void rk_forces_fill(struct rk_result *result, const struct rk_forces *forces) {
+void rk_forces_fill(struct rk_result *result, const struct rk_forces *forces, const char *unit) {
     static const char *const alpha[] = {"alpha", "alpha_low", "alpha_high"};
     static const char *const beta[] = {"beta", "beta_low", "beta_high"};
     static const char *const identity[] = {"identity", "identity_low", "identity_high"};
@@ -58,7 +58,7 @@ void rk_forces_fill(struct rk_result *result, const struct rk_forces *forces) {
                              &forces->linked, 1);
     rk_analysis_add_interval(result, below, "", "share of the forces below their mean",
                              &forces->below, 1);
-    rk_analysis_add_interval(result, mean, "", "mean force", &forces->mean, 1);
+    rk_analysis_add_interval(result, mean, unit, "mean force", &forces->mean, 1);
     rk_result_scalar(result, "linked_beta", "", "beta that goes with `linked`",
                      forces->linked_beta);
     rk_result_scalar(result, "linked_below", "", "share below the mean that goes with it",
@@ -81,28 +81,27 @@ void rk_forces_print(const struct rk_result *result, FILE *out) {
 
 static void picture(const struct rk_picture *p, FILE *out) {
     rk_plot_begin_panels(p, "force over the mean force", out);
-    fprintf(out, "set logscale y\nset format y \"10^{%%T}\"\nset key below vertical height 1.2 "
-                 "font \",12\"\n");
+    fprintf(
+        out,
+        "set title\nset logscale y\nset format y \"10^{%%T}\"\nset key below vertical height 1.2 "
+        "font \",12\"\nset samples 2001\n"
+        "f(x, a, b) = x <= 0 ? NaN : (x < 1 ? x**a : exp(-b*(x - 1)))/(1/(1 + a) + 1/b)\n");
     for (size_t i = 0; i < p->count; i++) {
         const struct rk_panel *panel = &p->panels[i];
         const struct rk_result *r = panel->result;
+        char alpha[96], beta[96], linked[96];
+        rk_analysis_say(alpha, sizeof alpha, 3, r, "alpha");
+        rk_analysis_say(beta, sizeof beta, 3, r, "beta");
+        rk_analysis_say(linked, sizeof linked, 3, r, "linked");
         rk_plot_panel(p, i, "probability density", out);
-        fprintf(
-            out,
-            "set title \"%s\" noenhanced\n"
-            "plot \"%s\" using \"x\":(column(\"density_low\") > 0 ? column(\"density\") : NaN):"
-            "\"density_low\":\"density_high\" with yerrorbars pointtype 7 pointsize 0.6 "
-            "linecolor rgb \"#666666\" title \"forces, %g %% intervals\", \\\n"
-            "  \"%s\" using \"x\":\"free_fit\" with lines linewidth 2 linecolor rgb \"#0072b2\" "
-            "title \"alpha = %.3g [%.3g, %.3g], beta = %.3g [%.3g, %.3g]\" noenhanced, \\\n"
-            "  \"%s\" using \"x\":\"linked_fit\" with lines linewidth 2 dashtype 2 linecolor rgb "
-            "\"#d55e00\" title \"alpha = %.3g [%.3g, %.3g], beta by the identity\" noenhanced\n",
-            panel->point, panel->file, 100 * rk_result_number(r, "level"), panel->file,
-            rk_result_number(r, "alpha"), rk_result_number(r, "alpha_low"),
-            rk_result_number(r, "alpha_high"), rk_result_number(r, "beta"),
-            rk_result_number(r, "beta_low"), rk_result_number(r, "beta_high"), panel->file,
-            rk_result_number(r, "linked"), rk_result_number(r, "linked_low"),
-            rk_result_number(r, "linked_high"));
+        rk_plot_density(panel, "forces", out);
+        fprintf(out,
+                ", \\\n  f(x, %.17g, %.17g) with lines linewidth 2 linecolor rgb \"#0072b2\" "
+                "title \"alpha = %s, beta = %s\" noenhanced, \\\n"
+                "  f(x, %.17g, %.17g) with lines linewidth 2 dashtype 2 linecolor rgb \"#d55e00\" "
+                "title \"alpha = %s, beta by the identity\" noenhanced\n",
+                rk_result_number(r, "alpha"), rk_result_number(r, "beta"), alpha, beta,
+                rk_result_number(r, "linked"), rk_result_number(r, "linked_beta"), linked);
     }
     fprintf(out, "unset multiplot\n");
 }

@@ -71,7 +71,10 @@ static enum rk_status check(const void *params, const struct rk_schedule *schedu
     return RK_OK;
 }
 
-static const struct rk_ldf_units units = {"sqrt(g d)", "sqrt(d/g)", "sqrt(g/d)", "1/d", "1/d"};
+/* Of the intruder's velocity. */
+static struct rk_ldf_units velocity_units(void) {
+    return rk_ldf_units_of("sqrt(g d)");
+}
 
 /* A refusal of what comes on top of the estimate is a sentence of the verdict. */
 static void add_sentence(struct rk_result *result, const char *before, const char *sentence) {
@@ -84,13 +87,14 @@ static void add_limit(struct rk_result *result, const struct rk_ldf_limit *l) {
                                           "limit_at_zero_high"};
     static const char *const curvature[] = {"limit_curvature", "limit_curvature_low",
                                             "limit_curvature_high"};
+    const struct rk_ldf_units units = velocity_units();
     const char *rate = units.per_time;
     size_t n = l->points;
     add_sentence(result, "", l->text);
     rk_analysis_add_interval(result, at_zero, rate, "the limit of long windows at 0", &l->at_zero,
                              1);
-    rk_analysis_add_interval(result, curvature, "", "limit of tau times variance", &l->curvature,
-                             1);
+    rk_analysis_add_interval(result, curvature, units.curvature, "limit of tau times variance",
+                             &l->curvature, 1);
     rk_result_scalar(result, "limit_distance", "",
                      "largest |lambda - limit| of the longest windows, in half-widths of their "
                      "intervals",
@@ -129,6 +133,7 @@ static enum rk_status estimate_limit(struct rk_result *result, const struct rk_l
 /* Columns of the points' number in any case, so that every point of a study has the same. */
 static void add_comparison(struct rk_result *result, const struct rk_ldf_comparison *c, size_t n,
                            const double *none) {
+    const struct rk_ldf_units units = velocity_units();
     rk_result_scalar(result, "compare_chance", "",
                      "probability of so large a difference from the first point by chance",
                      c ? c->chance : (double)NAN);
@@ -189,6 +194,7 @@ static enum rk_status compare(struct rk_result *result, const struct rk_ldf *ldf
 
 static enum rk_status estimate(const void *params, const struct rk_point_data *data,
                                struct rk_result *result, struct rk_error *err) {
+    const struct rk_ldf_units units = velocity_units();
     const struct rk_ldf_request *request = params;
     struct rk_ldf_options options = request->options;
     options.window *= data->samples_per_period;
@@ -222,21 +228,13 @@ static const char head[] = "minimum [sqrt(g d)]             intervals for a in  
 
 static void headline(const struct rk_result *result, FILE *out) {
     char text[96];
-    snprintf(text, sizeof text, "%.3g [%.3g, %.3g]", rk_result_number(result, "minimum"),
-             rk_result_number(result, "minimum_low"), rk_result_number(result, "minimum_high"));
+    double low = rk_result_number(result, "interval_low");
+    rk_analysis_say(text, sizeof text, 3, result, "minimum");
     fprintf(out, "%-31s ", text);
-    snprintf(text, sizeof text, "[%.3g, %.3g]", rk_result_number(result, "interval_low"),
-             rk_result_number(result, "interval_high"));
-    fprintf(out, "%-20s ", text);
-    double zero = rk_result_number(result, "at_zero");
-    if (isfinite(zero)) {
-        rk_analysis_say_interval(text, sizeof text, 3, zero,
-                                 rk_result_number(result, "at_zero_low"),
-                                 rk_result_number(result, "at_zero_high"));
-        fprintf(out, "%s", text);
-    } else {
-        fprintf(out, "beyond the data");
-    }
+    snprintf(text, sizeof text, "[%.3g, %.3g]", low, rk_result_number(result, "interval_high"));
+    fprintf(out, "%-20s ", isfinite(low) ? text : "nowhere");
+    rk_analysis_say(text, sizeof text, 3, result, "at_zero");
+    fprintf(out, "%s", isfinite(rk_result_number(result, "at_zero")) ? text : "beyond the data");
 }
 
 static const char *const quantities[] = {"minimum", "at_zero", "curvature", NULL};

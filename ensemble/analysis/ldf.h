@@ -7,8 +7,14 @@
 
 /* Units of the averaged quantity, of time, and of what follows; constant texts. */
 struct rk_ldf_units {
-    const char *value, *time, *per_time, *k, *slope; /* slope: 1/(value x time) */
+    const char *value, *time, *per_time,
+        *k;                /* k, and the slope of I(-a) - I(a): 1/(value x time) */
+    const char *curvature; /* value^2 x time */
 };
+
+/* Those of a study whose averaged quantity has the unit `value`; of data from elsewhere (NULL)
+ * there are none. */
+struct rk_ldf_units rk_ldf_units_of(const char *value);
 
 /* The parameters of the analysis `ldf` of a study. */
 struct rk_ldf_request {

@@ -1,6 +1,7 @@
 /* Pictures of large-deviation functions. */
 #include "ensemble/analysis/ldf.h"
 #include "ensemble/analysis/plot.h"
+#include "ensemble/analysis/private.h"
 
 #include <stdio.h>
 
@@ -55,7 +56,7 @@ void rk_ldf_draw_curve(const struct rk_picture *p, FILE *out) {
                 "  \"%s\" using \"a\":(sure(column(\"rate\"), strcol(\"verdict\"))) with lines "
                 "linewidth 3 linecolor rgb \"#%s\" title \"%s\" noenhanced, \\\n",
                 panel->file, colour, panel->file, colour, panel->file, colour, panel->file, colour,
-                panel->point);
+                p->quantity ? "rate function" : panel->point);
     }
     fprintf(out,
             "  keyentry with filledcurves fillcolor rgb \"#c0000000\" title \"%g %% interval\", "
@@ -119,6 +120,8 @@ void rk_ldf_draw_direct(const struct rk_picture *p, FILE *out) {
 void rk_ldf_draw_symmetry(const struct rk_picture *p, FILE *out) {
     const char *file = p->panels[0].file;
     double slope = rk_result_number(p->panels[0].result, "slope");
+    char text[96];
+    rk_analysis_say(text, sizeof text, 4, p->panels[0].result, "slope");
     write_labels(p, "I(-a) - I(a)", "difference", out);
     fprintf(out,
             "set xrange [0:*]\nplot \\\n"
@@ -127,8 +130,8 @@ void rk_ldf_draw_symmetry(const struct rk_picture *p, FILE *out) {
             "  \"%s\" using \"a\":\"difference\" with lines linewidth 3 linecolor rgb \"#%s\" "
             "title \"I(-a) - I(a)\", \\\n"
             "  %.17g*x with lines linewidth 2 dashtype 2 linecolor rgb \"#%s\" title \"slope "
-            "%.4g\"\n",
-            file, rk_plot_colour(0), file, rk_plot_colour(0), slope, rk_plot_colour(1), slope);
+            "%s\"\n",
+            file, rk_plot_colour(0), file, rk_plot_colour(0), slope, rk_plot_colour(1), text);
 }
 
 void rk_ldf_draw_comparison(const struct rk_picture *p, FILE *out) {

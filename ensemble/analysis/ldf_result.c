@@ -7,6 +7,24 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+struct rk_ldf_units rk_ldf_units_of(const char *value) {
+    static const struct rk_ldf_units none = {"", "", "", "", ""};
+    static const struct rk_ldf_units known[] = {
+        {"sqrt(g d)", "sqrt(d/g)", "sqrt(g/d)", "1/d", "d sqrt(g d)"},
+        {"d", "sqrt(d/g)", "sqrt(g/d)", "1/(d sqrt(d/g))", "d^2 sqrt(d/g)"},
+        {"m g", "sqrt(d/g)", "sqrt(g/d)", "1/(m sqrt(g d))", "(m g)^2 sqrt(d/g)"},
+        {"m g d", "sqrt(d/g)", "sqrt(g/d)", "1/(m d sqrt(g d))", "(m g d)^2 sqrt(d/g)"},
+        {"", "sqrt(d/g)", "sqrt(g/d)", "sqrt(g/d)", "sqrt(d/g)"},
+    };
+    enum { KNOWN = sizeof known / sizeof *known };
+    size_t i = 0;
+    while (value && i + 1 < KNOWN && strcmp(known[i].value, value) != 0) {
+        i++;
+    }
+    return value ? known[i] : none;
+}
 
 struct column {
     const char *name, *unit, *doc;
@@ -58,7 +76,7 @@ static void fill_scalars(struct rk_result *result, const struct rk_ldf *ldf,
     rk_analysis_add_interval(result, at_zero, units->per_time,
                              "the rate function at 0; nan where 0 is beyond what can be estimated",
                              &ldf->at_zero, 1);
-    rk_analysis_add_interval(result, curvature, "",
+    rk_analysis_add_interval(result, curvature, units->curvature,
                              "second derivative of lambda at k = 0: tau times variance",
                              &ldf->curvature, 1);
     rk_result_scalar(result, "level", "", "probability that an interval is to cover",
@@ -137,8 +155,7 @@ void rk_ldf_fill_symmetry(struct rk_result *result, const struct rk_ldf_symmetry
         {"difference_high", rate, high_end, s->difference_high},
     };
     snprintf(result->verdict, sizeof result->verdict, "%s", s->text);
-    rk_analysis_add_interval(result, slope, units->slope, "of I(-a) - I(a) through 0", &s->slope,
-                             1);
+    rk_analysis_add_interval(result, slope, units->k, "of I(-a) - I(a) through 0", &s->slope, 1);
     rk_result_scalar(result, "reach", units->value, "largest a with intervals at a and -a",
                      s->reach);
     rk_result_scalar(result, "below", "", "windows with an average below 0", (double)s->below);
@@ -206,8 +223,8 @@ void rk_ldf_fill_limit(struct rk_result *result, const struct rk_ldf_limit *l,
     snprintf(result->verdict, sizeof result->verdict, "%s", l->text);
     rk_analysis_add_interval(result, at_zero, rate, "limit of the rate function at 0", &l->at_zero,
                              1);
-    rk_analysis_add_interval(result, curvature, "", "limit of tau times variance", &l->curvature,
-                             1);
+    rk_analysis_add_interval(result, curvature, units->curvature, "limit of tau times variance",
+                             &l->curvature, 1);
     rk_result_scalar(result, "distance", "",
                      "largest |lambda - limit| of the longest windows, in half-widths of their "
                      "intervals",
@@ -267,9 +284,9 @@ void rk_ldf_fill_windows(struct rk_result *result, const struct rk_ldf_limit *l,
         {"minimum", value, "where the rate function is 0", table[MINIMUM]},
         {"minimum_low", value, low_end, table[MINIMUM + 1]},
         {"minimum_high", value, high_end, table[MINIMUM + 2]},
-        {"curvature", "", "tau times variance", table[CURVATURE]},
-        {"curvature_low", "", low_end, table[CURVATURE + 1]},
-        {"curvature_high", "", high_end, table[CURVATURE + 2]},
+        {"curvature", units->curvature, "tau times variance", table[CURVATURE]},
+        {"curvature_low", units->curvature, low_end, table[CURVATURE + 1]},
+        {"curvature_high", units->curvature, high_end, table[CURVATURE + 2]},
         {"at_zero", rate, "rate function at 0", table[ZERO]},
         {"at_zero_low", rate, low_end, table[ZERO + 1]},
         {"at_zero_high", rate, high_end, table[ZERO + 2]},

@@ -4,13 +4,14 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 void rk_ldf_print(const struct rk_result *result, FILE *out) {
     static const char *const rows[] = {"minimum", "at_zero", "curvature"};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         rk_analysis_print_interval(result, rows[i], 10, out);
     }
-    fprintf(out, "%-10s %.6g  %s\n", "tau", rk_result_number(result, "tau"), "length of a window");
+    rk_analysis_print_number(result, "tau", 10, out);
     fprintf(out, "%s\n", result->verdict);
 }
 
@@ -24,13 +25,20 @@ static double at(const struct rk_result *result, const char *name, const char *e
 void rk_ldf_print_windows(const struct rk_result *windows, const struct rk_result *limit,
                           FILE *out) {
     static const char *const shown[] = {"minimum", "at_zero", "curvature"};
-    fprintf(out, "%10s %8s  %-32s %-32s %s\n", "tau", "windows", "minimum", "I(0)", "curvature");
+    char tau[64], heads[3][64];
+    rk_analysis_label(tau, sizeof tau, "tau", rk_result_find(windows, "tau"));
+    for (size_t i = 0; i < 3; i++) {
+        rk_analysis_label(heads[i], sizeof heads[i], i == 1 ? "I(0)" : shown[i],
+                          rk_result_find(windows, shown[i]));
+    }
+    int width = strlen(tau) > 10 ? (int)strlen(tau) : 10;
+    fprintf(out, "%*s %8s  %-32s %-32s %s\n", width, tau, "windows", heads[0], heads[1], heads[2]);
     for (size_t row = 0; row <= rk_result_rows(windows); row++) {
         bool last = row == rk_result_rows(windows);
         if (last) {
-            fprintf(out, "%10s %8s ", "limit", "");
+            fprintf(out, "%*s %8s ", width, "limit", "");
         } else {
-            fprintf(out, "%10.6g %8.0f ", at(windows, "tau", "", row),
+            fprintf(out, "%*.6g %8.0f ", width, at(windows, "tau", "", row),
                     at(windows, "windows", "", row));
         }
         for (size_t i = 0; i < 3; i++) {
@@ -49,8 +57,6 @@ void rk_ldf_print_windows(const struct rk_result *windows, const struct rk_resul
 }
 
 void rk_ldf_print_symmetry(const struct rk_result *result, FILE *out) {
-    char text[96];
-    rk_analysis_say_interval(text, sizeof text, 6, at(result, "slope", "", 0),
-                             at(result, "slope", "_low", 0), at(result, "slope", "_high", 0));
-    fprintf(out, "%-10s %s  of I(-a) - I(a) against a\n%s\n", "slope", text, result->verdict);
+    rk_analysis_print_interval(result, "slope", 10, out);
+    fprintf(out, "%s\n", result->verdict);
 }

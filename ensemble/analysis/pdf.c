@@ -41,6 +41,17 @@ static const struct rk_param_table table = {groups, 1, sizeof(struct options)};
 static enum rk_status check(const void *params, const struct rk_schedule *schedule,
                             struct rk_error *err) {
     const struct options *p = params;
+    if (p->bootstrap > 0 && p->bootstrap < 100) {
+        return rk_fail_about(err, RK_EINVALID, "bootstrap",
+                             "bootstrap: %llu resamplings are too few; 0 for none, else at least "
+                             "100",
+                             (unsigned long long)p->bootstrap);
+    }
+    if (p->goodness > 0 && p->goodness < 50) {
+        return rk_fail_about(err, RK_EINVALID, "goodness",
+                             "goodness: %llu samples are too few; 0 for none, else at least 50",
+                             (unsigned long long)p->goodness);
+    }
     return rk_analysis_check_span(p->from, p->to, schedule, err);
 }
 
@@ -73,16 +84,8 @@ static const char head[] = "q                     b                     choice";
 static void headline(const struct rk_result *result, FILE *out) {
     const char *const shapes[] = {"q", "b"};
     for (size_t i = 0; i < 2; i++) {
-        char text[64], low[8], high[8];
-        snprintf(low, sizeof low, "%s_low", shapes[i]);
-        snprintf(high, sizeof high, "%s_high", shapes[i]);
-        double x = rk_result_number(result, shapes[i]);
-        if (isnan(x)) {
-            snprintf(text, sizeof text, "refused");
-        } else {
-            snprintf(text, sizeof text, "%.3g [%.3g, %.3g]", x, rk_result_number(result, low),
-                     rk_result_number(result, high));
-        }
+        char text[96];
+        rk_analysis_say(text, sizeof text, 3, result, shapes[i]);
         fprintf(out, "%-21s ", text);
     }
     fprintf(out, "%s", choice_name((enum rk_pdf_choice)rk_result_number(result, "choice")));
@@ -94,9 +97,7 @@ static void write_curve(const struct rk_panel *panel, size_t family, const char 
                         const char *what, const char *style, FILE *out) {
     const struct rk_pdf_family *f = rk_pdf_families[family];
     const char *shape = f->shape;
-    char low[8], high[8], scale[16], centre[16];
-    snprintf(low, sizeof low, "%s_low", shape);
-    snprintf(high, sizeof high, "%s_high", shape);
+    char text[96], scale[16], centre[16];
     snprintf(scale, sizeof scale, "%s_scale", shape);
     snprintf(centre, sizeof centre, "%s_location", shape);
     const struct rk_result *r = panel->result;
@@ -105,21 +106,12 @@ static void write_curve(const struct rk_panel *panel, size_t family, const char 
     if (isnan(curve.shape)) {
         return;
     }
+    rk_analysis_say(text, sizeof text, 3, r, shape);
     fprintf(out,
             ", \\\n  p = %.17g, c = %.17g, s(x) = ((x - (%.17g))/%.17g)**2, %s with lines %s title "
-            "\"%s, %s = %.3g [%.3g, %.3g]\"",
+            "\"%s, %s = %s\"",
             curve.shape, rk_pdf_density(&curve, curve.location), curve.location, curve.scale, form,
-            style, what, shape, curve.shape, rk_result_number(r, low), rk_result_number(r, high));
-}
-
-/* The least density that a bin can show: a curve below it would only stretch the axis. */
-static double floor_of(const struct rk_result *result) {
-    const struct rk_value *density = rk_result_find(result, "density");
-    double least = INFINITY;
-    for (size_t i = 0; density && i < density->count; i++) {
-        least = density->numbers[i] > 0 ? fmin(least, density->numbers[i]) : least;
-    }
-    return isinf(least) ? 1e-6 : least / 3;
+            style, what, shape, text);
 }
 
 static void picture(const struct rk_picture *p, FILE *out) {
@@ -138,14 +130,8 @@ static void picture(const struct rk_picture *p, FILE *out) {
         const struct rk_panel *panel = &p->panels[i];
         rk_plot_panel(p, i, ylabel, out);
         rk_plot_xtics(panel->result, "x", out);
-        fprintf(out,
-                "set title \"%s\" noenhanced\nset yrange [%.3g:*]\n"
-                "plot \"%s\" using \"x\":(column(\"density\") > 0 ? column(\"density\") : NaN):"
-                "(column(\"density_low\") > 0 ? column(\"density_low\") : %.3g):\"density_high\" "
-                "with yerrorbars pointtype 7 pointsize 0.6 linecolor rgb \"#666666\" title "
-                "\"samples, %g %% intervals\"",
-                panel->point, floor_of(panel->result), panel->file, floor_of(panel->result),
-                100 * rk_result_number(panel->result, "level"));
+        fprintf(out, "set title \"%s\" noenhanced\n", p->quantity ? "" : panel->point);
+        rk_plot_density(panel, "samples", out);
         write_curve(panel, 0,
                     "(p == 1 ? c*exp(-s(x)) : 1 + (p - 1)*s(x) > 0 ? "
                     "c*(1 + (p - 1)*s(x))**(-1/(p - 1)) : NaN)",

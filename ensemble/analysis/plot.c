@@ -1,5 +1,7 @@
 #include "ensemble/analysis/plot.h"
 
+#include "ensemble/analysis/private.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -47,12 +49,12 @@ void rk_plot_begin(const struct rk_picture *picture, bool panels, FILE *out) {
 void rk_plot_begin_panels(const struct rk_picture *picture, const char *xlabel, FILE *out) {
     fprintf(out,
             "set multiplot layout %d,%d title \"%s\" noenhanced\n"
-            "set xlabel \"%s\"\nset xtics font \",12\"\n",
+            "set xlabel \"%s\" noenhanced\nset xtics font \",12\"\n",
             rows_of(picture), columns_of(picture), picture->title, xlabel);
 }
 
 void rk_plot_panel(const struct rk_picture *picture, size_t i, const char *ylabel, FILE *out) {
-    fprintf(out, "set ylabel \"%s\"\n", (int)i % columns_of(picture) == 0 ? ylabel : "");
+    fprintf(out, "set ylabel \"%s\" noenhanced\n", (int)i % columns_of(picture) == 0 ? ylabel : "");
 }
 
 void rk_plot_xtics(const struct rk_result *result, const char *name, FILE *out) {
@@ -74,14 +76,30 @@ void rk_plot_xtics(const struct rk_result *result, const char *name, FILE *out) 
     }
 }
 
+/* The least density that a bin can show: a curve below it would only stretch the axis. */
+static double floor_of(const struct rk_result *result) {
+    const struct rk_value *density = rk_result_find(result, "density");
+    double least = INFINITY;
+    for (size_t i = 0; density && i < density->count; i++) {
+        least = density->numbers[i] > 0 ? fmin(least, density->numbers[i]) : least;
+    }
+    return isinf(least) ? 1e-6 : least / 3;
+}
+
+void rk_plot_density(const struct rk_panel *panel, const char *what, FILE *out) {
+    double least = floor_of(panel->result);
+    fprintf(out,
+            "set yrange [%.3g:*]\n"
+            "plot \"%s\" using \"x\":(column(\"density\") > 0 ? column(\"density\") : NaN):"
+            "(column(\"density_low\") > %.3g ? column(\"density_low\") : %.3g):\"density_high\" "
+            "with yerrorbars pointtype 7 pointsize 0.6 linecolor rgb \"#666666\" title "
+            "\"%s, %g %% intervals\"",
+            least, panel->file, least, least, what, 100 * rk_result_number(panel->result, "level"));
+}
+
 void rk_plot_label(char *text, size_t size, const char *what, const struct rk_panel *panel,
                    const char *column) {
-    const struct rk_value *value = rk_result_find(panel->result, column);
-    if (value && value->unit && value->unit[0] != '\0') {
-        snprintf(text, size, "%s [%s]", what, value->unit);
-    } else {
-        snprintf(text, size, "%s", what);
-    }
+    rk_analysis_label(text, size, what, rk_result_find(panel->result, column));
 }
 
 /* In the child: to the folder, quiet, gnuplot. _exit(127) when it cannot be started. */

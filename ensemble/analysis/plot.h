@@ -39,6 +39,11 @@ void rk_plot_panel(const struct rk_picture *picture, size_t i, const char *ylabe
  * of that name. */
 void rk_plot_xtics(const struct rk_result *result, const char *name, FILE *out);
 
+/* Begin a plot of a density, its columns x, density, density_low and density_high, on a logarithmic
+ * axis: dots with intervals, of which one that reaches 0 ends where the axis does. Curves may
+ * follow, and must go on with ", \\" on a new line. */
+void rk_plot_density(const struct rk_panel *panel, const char *what, FILE *out);
+
 /* "what [unit]" with the unit of a panel's column, "what" where it has none. */
 void rk_plot_label(char *text, size_t size, const char *what, const struct rk_panel *panel,
                    const char *column);

@@ -5,6 +5,7 @@
 #include "cases/cases.h"
 #include "ensemble/analysis.h"
 #include "ensemble/analysis/result.h"
+#include "ensemble/study.h"
 
 #include <stdio.h>
 
@@ -45,6 +46,10 @@ struct rk_analysis_methods {
     /* Can runs of that schedule be analysed so? RK_EINVALID with err->subject. */
     enum rk_status (*check)(const void *params, const struct rk_schedule *schedule,
                             struct rk_error *err);
+    /* Can the points of the study, taken together, be analysed so? NULL: any can. RK_EINVALID;
+     * err->subject names the key of the study that it is about, if there is one. */
+    enum rk_status (*check_points)(const struct rk_study *study, struct rk_error *err);
+    const char *points; /* what check_points asks for, in words */
     /* Fill `result`. RK_EREFUSED (the data do not support it; the message is for the user). */
     enum rk_status (*estimate)(const void *params, const struct rk_point_data *data,
                                struct rk_result *result, struct rk_error *err);
@@ -58,6 +63,9 @@ struct rk_analysis_methods {
     /* The closing table: its title, the head of its columns, and a row without line end. */
     const char *title, *head;
     void (*headline)(const struct rk_result *result, FILE *out);
+    /* What is left of a refused estimate that has columns, as a table for the terminal, every line
+     * after two blanks; NULL: nothing. */
+    void (*remains)(const struct rk_result *result, FILE *out);
     /* Write the gnuplot commands of its picture after those that open it. */
     void (*picture)(const struct rk_picture *picture, FILE *out);
     bool panels;                   /* one panel a point, otherwise all points in one */
@@ -84,10 +92,16 @@ void rk_analysis_say_interval(char *text, size_t size, int digits, double x, dou
 void rk_analysis_say(char *text, size_t size, int digits, const struct rk_result *result,
                      const char *name);
 
-/* A line of the interval `name`, `name`_low, `name`_high: its name in `width` columns, the numbers,
- * the doc. */
+/* A line of the interval `name`, `name`_low, `name`_high, or of the number `name`: its name in
+ * `width` columns, the numbers, the unit, the doc. */
 void rk_analysis_print_interval(const struct rk_result *result, const char *name, int width,
                                 FILE *out);
+void rk_analysis_print_number(const struct rk_result *result, const char *name, int width,
+                              FILE *out);
+
+/* "what [unit]", or "what" of a value (NULL: of none) without unit: the head of a column, the label
+ * of an axis. */
+void rk_analysis_label(char *text, size_t size, const char *what, const struct rk_value *value);
 
 /* The heights once a period, at its beginning. data and lengths of *once are the caller's, free
  * with free(). RK_EMEMORY. */

@@ -101,12 +101,10 @@ void rk_relax_print(const struct rk_result *result, FILE *out) {
     double form = rk_result_number(result, "form");
     if (form == RK_RELAX_STRETCHED) {
         rk_analysis_print_interval(result, "exponent", 10, out);
-        fprintf(out, "%-10s %.6g  integral of what is left of the change\n", "mean_time",
-                rk_result_number(result, "mean_time"));
+        rk_analysis_print_number(result, "mean_time", 10, out);
     } else if (form == RK_RELAX_DOUBLE) {
         rk_analysis_print_interval(result, "second", 10, out);
-        fprintf(out, "%-10s %.6g  of the change that goes with the first time\n", "share",
-                rk_result_number(result, "share"));
+        rk_analysis_print_number(result, "share", 10, out);
     }
     fprintf(out, "%s\n", result->verdict);
 }
@@ -130,16 +128,17 @@ static enum rk_status estimate(const void *params, const struct rk_point_data *d
 static const char head[] = "relaxation time [sqrt(d/g)]   final height [d]";
 
 static void headline(const struct rk_result *result, FILE *out) {
-    char text[96];
-    snprintf(text, sizeof text, "%.3g [%.3g, %.3g]", rk_result_number(result, "time"),
-             rk_result_number(result, "time_low"), rk_result_number(result, "time_high"));
-    fprintf(out, "%-29s %.3g [%.3g, %.3g]", text, rk_result_number(result, "final"),
-            rk_result_number(result, "final_low"), rk_result_number(result, "final_high"));
+    char time[96], final[96];
+    rk_analysis_say(time, sizeof time, 3, result, "time");
+    rk_analysis_say(final, sizeof final, 3, result, "final");
+    fprintf(out, "%-29s %s", time, final);
 }
 
 static void picture(const struct rk_picture *p, FILE *out) {
-    char xlabel[64];
+    char xlabel[64], ylabel[160];
     rk_plot_label(xlabel, sizeof xlabel, "time since the start", &p->panels[0], "elapsed");
+    rk_plot_label(ylabel, sizeof ylabel, p->quantity ? p->quantity : "height above the plate",
+                  &p->panels[0], "mean");
     rk_plot_begin_panels(p, xlabel, out);
     fprintf(out, "set key below height 1.2\n");
     for (size_t i = 0; i < p->count; i++) {
@@ -147,18 +146,20 @@ static void picture(const struct rk_picture *p, FILE *out) {
         const char *colour = rk_plot_colour(i);
         const struct rk_result *r = panel->result;
         const struct rk_value *time = rk_result_find(r, "time");
-        rk_plot_panel(p, i, p->quantity ? p->quantity : "height above the plate [d]", out);
+        char text[96];
+        rk_analysis_say(text, sizeof text, 3, r, "time");
+        rk_plot_panel(p, i, ylabel, out);
         fprintf(out,
-                "set title \"%s: T = %.3g [%.3g, %.3g] %s\" noenhanced\n"
+                "set title \"%s%sT = %s %s\" noenhanced\n"
                 "plot \"%s\" using \"elapsed\":\"low\":\"high\" with filledcurves fillcolor rgb "
                 "\"#c0%s\" title \"%g %% interval of the mean\", \\\n"
                 "  \"%s\" using \"elapsed\":\"mean\" with lines linewidth 1 linecolor rgb \"#%s\" "
                 "title \"mean\", \\\n"
                 "  \"%s\" using \"elapsed\":\"curve\" with lines linewidth 2 dashtype 2 linecolor "
                 "rgb \"#000000\" title \"%s exponential\"\n",
-                panel->point, rk_result_number(r, "time"), rk_result_number(r, "time_low"),
-                rk_result_number(r, "time_high"), time ? time->unit : "", panel->file, colour,
-                100 * rk_result_number(r, "level"), panel->file, colour, panel->file,
+                p->quantity ? "" : panel->point, p->quantity ? "" : ": ", text,
+                time ? time->unit : "", panel->file, colour, 100 * rk_result_number(r, "level"),
+                panel->file, colour, panel->file,
                 rk_relax_form_name((enum rk_relax_form)rk_result_number(r, "form")));
     }
     fprintf(out, "unset multiplot\n");

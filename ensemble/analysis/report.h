@@ -76,6 +76,10 @@ void rk_report_free(struct rk_report *report);
 enum rk_status rk_report_write(const struct rk_report *report, const char *folder,
                                const struct rk_notice *notice, struct rk_error *err);
 
+/* Can a picture be written there, as far as that can be told beforehand? RK_EINVALID: no name of a
+ * picture, a folder of that name, no folder to write it into. */
+enum rk_status rk_report_plot_check(const char *path, struct rk_error *err);
+
 /* Draw one result at `path`, which ends in ".png", as `analysis` draws it, with its table and
  * script beside it; `quantity` is what the x axis is called. RK_EINVALID: no such name; RK_EIO:
  * cannot be written or drawn. */

@@ -7,6 +7,7 @@
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* What a file is written from; `write` knows which of the members it needs. */
@@ -188,6 +189,25 @@ static enum rk_status split_path(const char *path, char folder[4096], char name[
     snprintf(folder, 4096, "%.*s", slash ? (int)before : 1, slash ? path : ".");
     snprintf(name, RK_NAME, "%.*s", (int)(length - 4), base);
     return RK_OK;
+}
+
+static bool is_folder(const char *path) {
+    struct stat about;
+    return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
+}
+
+enum rk_status rk_report_plot_check(const char *path, struct rk_error *err) {
+    char folder[4096], name[RK_NAME];
+    if (is_folder(path)) {
+        return rk_fail(err, RK_EINVALID, "'%.200s' is a folder; name the picture in it, '%.200s%s'",
+                       path, path, path[strlen(path) - 1] == '/' ? "x.png" : "/x.png");
+    }
+    enum rk_status status = split_path(path, folder, name, err);
+    if (status == RK_OK && !is_folder(folder)) {
+        status = rk_fail(err, RK_EINVALID, "there is no folder '%.200s' to write '%s.png' into",
+                         folder, name);
+    }
+    return status;
 }
 
 enum rk_status rk_report_plot_as(const struct rk_picture *model, const char *ending,

@@ -25,14 +25,13 @@ static void print_params(const struct rk_request *request, FILE *out) {
     }
 }
 
-/* The level of the intervals, as the results carry it; NaN when every point is refused. */
+/* The level of the intervals, as the results carry it; NaN when there are none. */
 static double level_of(const struct rk_report_entry *entry) {
-    for (size_t p = 0; p < entry->outcome_count; p++) {
-        if (!entry->outcomes[p].result.refused) {
-            return rk_result_number(&entry->outcomes[p].result, "level");
-        }
+    double level = NAN;
+    for (size_t p = 0; p < entry->outcome_count && isnan(level); p++) {
+        level = rk_result_number(&entry->outcomes[p].result, "level");
     }
-    return NAN;
+    return level;
 }
 
 static void print_entry(const struct rk_report_entry *entry, const struct rk_study *study,
@@ -65,6 +64,9 @@ static void print_entry(const struct rk_report_entry *entry, const struct rk_stu
                     o->point, o->retried, o->used, o->retried == 1 ? "was" : "were");
         }
         fprintf(out, "  %s: %s\n", o->point, o->result.verdict);
+        if (o->result.refused && methods->remains) {
+            methods->remains(&o->result, out);
+        }
     }
 }
 

@@ -32,7 +32,8 @@ struct rk_value {
 struct rk_result {
     struct rk_value *values;
     size_t count, room;
-    bool refused;       /* the data do not support it: `verdict` says why, there are no values */
+    bool refused;       /* the data do not support it: `verdict` says why, and what values there
+                           are is what is known without it */
     char verdict[2048]; /* in words, one line */
     bool short_of_memory;
 };

@@ -137,8 +137,9 @@ static enum rk_status estimate(const void *params, const struct rk_point_data *d
 static const char head[] = "rise rate [d/period]";
 
 static void headline(const struct rk_result *result, FILE *out) {
-    fprintf(out, "%.3g [%.3g, %.3g]", rk_result_number(result, "rate"),
-            rk_result_number(result, "rate_low"), rk_result_number(result, "rate_high"));
+    char text[96];
+    rk_analysis_say(text, sizeof text, 3, result, "rate");
+    fprintf(out, "%s", text);
 }
 
 /* The range of heights that the bands cover, so that all panels share one axis. */

@@ -131,8 +131,9 @@ static void picture(const struct rk_picture *p, FILE *out) {
         const struct rk_panel *panel = &p->panels[i];
         const struct rk_result *r = panel->result;
         const char *colour = rk_plot_colour(i);
-        char median[96];
+        char median[96], mean[96];
         rk_analysis_say(median, sizeof median, 3, r, "median");
+        rk_analysis_say(mean, sizeof mean, 3, r, "mean");
         rk_plot_panel(p, i, "share of the replicas that are not there yet", out);
         fprintf(out,
                 "set title \"%s: to %.6g d, median %s%s\" noenhanced\n"
@@ -147,12 +148,17 @@ static void picture(const struct rk_picture *p, FILE *out) {
                 100 * rk_result_number(r, "level"), panel->file, colour,
                 rk_result_number(r, "reached"), rk_result_number(r, "replicas"));
         if (isfinite(rk_result_number(r, "mean"))) {
-            char mean[96];
-            rk_analysis_say(mean, sizeof mean, 3, r, "mean");
             fprintf(out,
                     ", \\\n  exp(-x/%.17g) with lines linewidth 2 dashtype 2 linecolor rgb "
                     "\"#000000\" title \"constant chance, mean %s periods\"",
                     rk_result_number(r, "mean"), mean);
+        } else {
+            /* A line of the key in any case, so that panels are of one height. */
+            fprintf(
+                out,
+                ", \\\n  keyentry with lines linecolor rgb \"#ffffff\" title \"constant chance, "
+                "mean %s%s\"",
+                mean, isfinite(rk_result_number(r, "mean_low")) ? " periods" : "");
         }
         fprintf(out, "\n");
     }

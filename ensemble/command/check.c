@@ -122,7 +122,9 @@ static void print(const struct rk_outlook *o) {
     if (!isnan(o->speed.grain_steps)) {
         printf("speed     %.3g million grain-steps per core-second, timed with %zu grains\n",
                o->speed.grain_steps / 1e6, o->speed.grains);
-        printf("time      %s of one core, about %s on %d thread%s\n", duration(o->core_seconds, a),
+        /* Beds that come to rest earlier than they must make it less. */
+        printf("time      %s%s of one core, about %s on %d thread%s, at that speed\n",
+               o->settling > 0 ? "at most " : "", duration(o->core_seconds, a),
                duration(o->wall_seconds, b), o->threads, o->threads == 1 ? "" : "s");
         print_threads(&o->gain);
         printf("memory    %s\n", bytes(o->memory, a));

@@ -40,7 +40,9 @@ struct rk_option {
     const char *argument; /* "N", "DIR"; NULL for a flag */
     const char *fallback; /* the default as one would type it, or NULL */
     double low, high;     /* range of COUNT and REAL, both ends included */
-    const char *doc;      /* one line */
+    bool of_study;   /* of COUNT and REAL: not given, it is as the study's own analysis has it, else
+                        the fallback; rk_options_complete must be called */
+    const char *doc; /* one line */
 };
 
 struct rk_command {
@@ -78,6 +80,11 @@ extern const struct rk_command rk_command_status;
 enum rk_status rk_options_read(const struct rk_command *command, int argc, char *const *argv,
                                void *values, char **operands, size_t *count, bool *help,
                                struct rk_error *err);
+
+/* Fill the options of the study that were not given: with the parameter of the same name that
+ * `params` has (a struct of `table`), or with their fallback where there is none (table NULL). */
+void rk_options_complete(const struct rk_command *command, void *values,
+                         const struct rk_param_table *table, const void *params);
 
 /* Print the help of a command on stdout. */
 void rk_command_help(const struct rk_command *command);

@@ -57,44 +57,86 @@ void rk_data_print_picture(const char *path, const char *ending) {
     printf("picture    %.*s%s.png, script and table beside it (.gp, .csv)\n", stem, path, ending);
 }
 
+/* A refusal is an outcome, too: what is known without the estimate is given out, and the reason is
+ * told by the caller. */
+static enum rk_status settle(enum rk_status status, struct rk_result *result,
+                             struct rk_error *err) {
+    if (status == RK_EREFUSED) {
+        rk_result_clear(result);
+        result->refused = true;
+        snprintf(result->verdict, sizeof result->verdict, "%s", err->message);
+        status = RK_OK;
+    }
+    return status == RK_OK && result->short_of_memory ? rk_fail(err, RK_EMEMORY, "out of memory")
+                                                      : status;
+}
+
+/* What is wrong with an option is not wrong with the data. */
+static int complain(const char *operand, const struct rk_error *why) {
+    struct rk_error err = *why;
+    if (why->subject[0] != '\0') {
+        rk_fail(&err, why->status, "--%s: %.400s", why->subject, why->message);
+    } else {
+        rk_error_locate(&err, "%s", operand);
+    }
+    return rk_complain(&err);
+}
+
 int rk_data_give(const struct rk_data_command *command, const char *operand,
-                 const struct rk_data_options *o, const void *options, const struct rk_data *data) {
+                 const struct rk_data_options *o, const void *input, const struct rk_data *data) {
     struct rk_error err = RK_NO_ERROR;
     struct rk_result result;
     int code = RK_EXIT_DONE;
     rk_result_init(&result);
-    enum rk_status status = command->estimate(options, data, &result, &err);
-    if (status == RK_OK && result.short_of_memory) {
-        status = rk_fail(&err, RK_EMEMORY, "out of memory");
-    }
-    bool worth_printing = status == RK_OK;
-    if (status == RK_OK && o->plot) {
-        status = rk_report_plot(command->analysis, command->title, command->quantity, &result,
+    enum rk_status status = command->estimate(input, data, &result, &err);
+    status = settle(status, &result, &err);
+    bool rows = rk_result_rows(&result) > 0, drawn = false;
+    bool worth_printing = status == RK_OK && (rows || o->json);
+    if (status == RK_OK && rows && o->plot) {
+        const struct rk_data_label label = rk_data_label(data, command->integrates);
+        status = rk_report_plot(command->analysis, command->title,
+                                command->quantity ? command->quantity : label.text, &result,
                                 o->plot, &err);
-        worth_printing = status != RK_EINVALID; /* the numbers are there without the picture */
+        drawn = status == RK_OK;
     }
-    if (worth_printing) {
+    if (worth_printing) { /* also without the picture */
         print(command, o, data, &result);
     }
-    if (o->plot && status == RK_OK && !o->json && !o->csv) {
+    if (drawn && !o->json && !o->csv) {
         rk_data_print_picture(o->plot, "");
     }
+    if (status == RK_OK && result.refused) {
+        status = rk_fail(&err, RK_EREFUSED, "%s", result.verdict);
+    }
     if (status != RK_OK) {
-        rk_error_locate(&err, "%s", operand);
-        code = rk_complain(&err);
+        code = complain(operand, &err);
     }
     rk_result_clear(&result);
     return code;
 }
 
+const void *rk_data_request(const struct rk_study *study, const struct rk_analysis *analysis) {
+    for (size_t i = 0; study && i < study->request_count; i++) {
+        if (study->requests[i].analysis == analysis) {
+            return study->requests[i].params;
+        }
+    }
+    return NULL;
+}
+
+void rk_data_complete(const struct rk_data_command *command, const struct rk_study *study,
+                      struct rk_data_options *o) {
+    const void *request = rk_data_request(study, command->analysis);
+    rk_options_complete(command->command, o, request ? command->analysis->params : NULL, request);
+}
+
 int rk_data_main(const struct rk_data_command *command, const char *operand,
-                 const struct rk_data_options *o, const void *options) {
+                 struct rk_data_options *o, const void *input) {
     struct rk_error err = RK_NO_ERROR;
     struct rk_data data = {0};
     struct rk_study *study = NULL;
     enum rk_status status;
-    if (rk_data_check(o, operand, &err) != RK_OK ||
-        (o->plot && rk_data_spare(operand, o->plot, "", &err) != RK_OK)) {
+    if (rk_data_check(o, operand, &err) != RK_OK) {
         return rk_complain(&err);
     }
     if (rk_data_is_folder(operand)) {
@@ -103,13 +145,14 @@ int rk_data_main(const struct rk_data_command *command, const char *operand,
             return code;
         }
     }
+    rk_data_complete(command, study, o);
     status = rk_data_read(&data, operand, study, o->point, o, &err);
     int code = RK_EXIT_DONE;
     if (status != RK_OK) {
         code = rk_complain(&err);
         code = err.status == RK_EIO && !study ? RK_EXIT_USAGE : code;
     } else {
-        code = rk_data_give(command, operand, o, options, &data);
+        code = rk_data_give(command, operand, o, input, &data);
     }
     rk_samples_clear(&data.samples);
     rk_study_free(study);

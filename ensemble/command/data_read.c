@@ -5,87 +5,53 @@
 #include "ensemble/input/table.h"
 #include "ensemble/store.h"
 #include "ensemble/store/columns.h"
-#include "ensemble/store/files.h"
 
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
-/* "file.h5:/path/to/dataset": where the path begins, or NULL. */
-static const char *dataset_in(const char *operand) {
-    struct stat about;
-    const char *found = NULL;
-    for (const char *c = operand; (c = strstr(c, ":/")) != NULL; c++) {
-        found = c + 1;
-    }
-    return found && stat(operand, &about) != 0 ? found : NULL;
-}
-
-bool rk_data_is_folder(const char *operand) {
-    struct stat about;
-    return stat(operand, &about) == 0 && S_ISDIR(about.st_mode);
-}
-
-bool rk_data_is_run(const char *operand) {
-    size_t length = strlen(operand);
-    struct stat about;
-    return length > 3 && strcmp(operand + length - 3, ".h5") == 0 && !dataset_in(operand) &&
-           stat(operand, &about) == 0;
-}
-
-enum rk_status rk_data_check(const struct rk_data_options *o, const char *operand,
-                             struct rk_error *err) {
-    bool folder = rk_data_is_folder(operand), run = !folder && rk_data_is_run(operand);
-    if (o->json && o->csv) {
-        return rk_fail(err, RK_EINVALID, "--json and --csv: choose one of them");
-    }
-    if (o->column && o->replica && strcmp(o->column, o->replica) == 0) {
-        return rk_fail(err, RK_EINVALID,
-                       "--column and --replica both name '%.64s': one has the data, the other says "
-                       "which replica a row is of",
-                       o->column);
-    }
-    if ((folder || run) && (o->column || o->replica)) {
-        return rk_fail(err, RK_EINVALID, "--column and --replica are for CSV files");
-    }
-    if ((folder || run) && o->interval != 1) {
-        return rk_fail(err, RK_EINVALID, "--interval is for files: a study knows its own");
-    }
-    if (!folder && o->point) {
-        return rk_fail(err, RK_EINVALID, "--point is for the folder of a study");
-    }
-    if (!folder && !run && strcmp(o->observable, RK_REPORT_OBSERVABLE) != 0) {
-        return rk_fail(err, RK_EINVALID, "--observable is for a study or the file of a run");
-    }
-    return RK_OK;
-}
-
-static bool same_file(const char *a, const char *b) {
-    struct stat first, second;
-    return stat(a, &first) == 0 && stat(b, &second) == 0 && first.st_dev == second.st_dev &&
-           first.st_ino == second.st_ino;
-}
-
-enum rk_status rk_data_spare(const char *operand, const char *plot, const char *ending,
-                             struct rk_error *err) {
-    static const char *const kinds[] = {"csv", "gp", "png"};
-    const char *dot = strrchr(plot, '.');
-    for (size_t i = 0; dot && i < sizeof kinds / sizeof *kinds; i++) {
-        struct rk_path beside;
-        enum rk_status status =
-            rk_path_set(&beside, err, "%.*s%s.%s", (int)(dot - plot), plot, ending, kinds[i]);
-        if (status != RK_OK) {
-            return status;
-        }
-        if (same_file(operand, beside.text)) {
-            return rk_fail(err, RK_EINVALID,
-                           "--plot %.200s would write over the data in '%.200s'; choose another "
-                           "name",
-                           plot, operand);
+static const char *observable_unit(const char *name) {
+    for (size_t p = 0; p < rk_probe_registry.count; p++) {
+        const struct rk_probe *probe = (const struct rk_probe *)rk_probe_registry.pieces[p];
+        size_t length = strlen(probe->piece.name);
+        bool mine = strncmp(name, probe->piece.name, length) == 0 && name[length] == '.';
+        for (size_t c = 0; mine && c < probe->count; c++) {
+            if (strcmp(probe->columns[c].name, name + length + 1) == 0) {
+                return probe->columns[c].unit;
+            }
         }
     }
-    return RK_OK;
+    return "";
+}
+
+/* The name of the samples goes into scripts, where quotes and the like would mean something. */
+static void name_samples(struct rk_data *data, const char *name, const char *before) {
+    static const char harmless[] = " _-.,:/()";
+    snprintf(data->what, sizeof data->what, "%s%.64s", before, name);
+    for (char *c = data->what; *c != '\0'; c++) {
+        bool plain = (unsigned char)*c < 0x80 && isalnum((unsigned char)*c);
+        *c = plain || strchr(harmless, *c) ? *c : '?';
+    }
+}
+
+struct rk_data_label rk_data_label(const struct rk_data *data, bool rate) {
+    struct rk_data_label label;
+    bool of_height = data->study && strcmp(data->what, RK_REPORT_OBSERVABLE) == 0;
+    if (rate && data->integral && of_height) {
+        snprintf(label.text, sizeof label.text, "vertical velocity of the intruder");
+    } else {
+        snprintf(label.text, sizeof label.text, "%s%s", rate && data->integral ? "rate of " : "",
+                 data->what);
+    }
+    return label;
+}
+
+const char *rk_data_rate_unit(const struct rk_data *data) {
+    if (!data->integral) {
+        return data->unit;
+    }
+    return strcmp(data->unit, "d") == 0 ? "sqrt(g d)" : "";
 }
 
 static enum rk_status read_run(const char *operand, const struct rk_data_options *o,
@@ -108,17 +74,15 @@ static enum rk_status read_run(const char *operand, const struct rk_data_options
     data->scale = recorded.samples_per_period > 0 ? recorded.samples_per_period : 1;
     data->integral = o->integral || strcmp(o->observable, RK_REPORT_OBSERVABLE) == 0;
     data->study = true;
+    data->unit = o->forces ? "m g" : observable_unit(o->observable);
     return RK_OK;
 }
 
 static enum rk_status read_file(const char *operand, const struct rk_data_options *o,
                                 struct rk_data *data, struct rk_error *err) {
-    const char *path = dataset_in(operand);
+    const char *path = rk_data_dataset(operand);
     if (rk_data_is_run(operand)) {
         return read_run(operand, o, data, err);
-    }
-    if (!path && strstr(operand, ".h5:")) {
-        return rk_fail(err, RK_EINVALID, "%.200s: the name of a dataset begins with '/'", operand);
     }
     if (!path) {
         const struct rk_table_request request = {o->column, o->replica, 0};
@@ -217,6 +181,7 @@ static enum rk_status gather(const char *folder, const struct rk_plan *plan, siz
         data->integral = o->integral || strcmp(o->observable, RK_REPORT_OBSERVABLE) == 0;
         data->scale = schedule.samples_per_period;
         data->study = true;
+        data->unit = o->forces ? "m g" : observable_unit(o->observable);
         data->stream = rk_stream_of(study->seed, point->key, 0, RK_FOR_BOOTSTRAP, 0);
         g.values = NULL;
         g.lengths = NULL;
@@ -265,11 +230,21 @@ enum rk_status rk_data_read(struct rk_data *data, const char *operand, struct rk
         .name = operand,
         .interval = o->interval,
         .integral = o->integral,
+        .unit = "",
         .scale = 1,
         .stream = rk_stream_of(o->seed, 0, 0, RK_FOR_BOOTSTRAP, 0),
     };
     enum rk_status status =
         study ? read_folder(operand, study, point, o, data, err) : read_file(operand, o, data, err);
+    const char *slash = strrchr(operand, '/');
+    if (data->study) {
+        name_samples(data, o->forces ? "normal force" : o->observable, "");
+    } else if (o->column) {
+        bool number = strspn(o->column, "0123456789") == strlen(o->column);
+        name_samples(data, o->column, number ? "column " : "");
+    } else {
+        name_samples(data, slash ? slash + 1 : operand, "");
+    }
     if (study) {
         rk_error_locate(err, "%s", operand);
     }

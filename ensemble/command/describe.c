@@ -1,11 +1,11 @@
 /* reckon describe: every case, piece and parameter, from the tables that the program itself uses.
  */
+#include "ensemble/command/describe.h"
+
 #include "cases/cases.h"
 #include "ensemble/analysis.h"
-#include "ensemble/analysis/json.h"
 #include "ensemble/command/command.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,153 +15,12 @@ struct describe_options {
 };
 
 static const struct rk_registry *const registries[] = {
-    &rk_case_registry,    &rk_analysis_registry, &rk_law_registry,        &rk_friction_registry,
-    &rk_rolling_registry, &rk_tension_registry,  &rk_body_registry,       &rk_gravity_registry,
-    &rk_drive_registry,   &rk_shape_registry,    &rk_integrator_registry, &rk_neighbour_registry,
-    &rk_kernel_registry,  &rk_probe_registry,
+    &rk_case_registry,      &rk_study_key_registry, &rk_analysis_registry, &rk_law_registry,
+    &rk_friction_registry,  &rk_rolling_registry,   &rk_tension_registry,  &rk_body_registry,
+    &rk_gravity_registry,   &rk_drive_registry,     &rk_shape_registry,    &rk_integrator_registry,
+    &rk_neighbour_registry, &rk_kernel_registry,    &rk_probe_registry,
 };
 enum { REGISTRIES = sizeof registries / sizeof *registries };
-
-/* The parameters of a case or an analysis, NULL for other kinds. */
-static const struct rk_param_table *table_of(const struct rk_registry *registry,
-                                             const struct rk_piece *piece) {
-    if (registry == &rk_case_registry) {
-        return ((const struct rk_case *)piece)->params;
-    }
-    if (registry == &rk_analysis_registry) {
-        return ((const struct rk_analysis *)piece)->params;
-    }
-    return NULL;
-}
-
-static void default_of(const struct rk_param_table *table, struct rk_param_ref ref,
-                       char text[RK_PARAM_TEXT]) {
-    void *values = calloc(1, table->size);
-    text[0] = '\0';
-    if (values) {
-        rk_param_defaults(table, values);
-        rk_param_text(ref, values, text);
-        free(values);
-    }
-}
-
-static const char *type_name(enum rk_param_type type) {
-    static const char *const names[] = {"real", "count", "flag", "name"};
-    return names[type];
-}
-
-/* ---- In words ------------------------------------------------------------------------------ */
-
-static void print_param(const struct rk_param_table *table, struct rk_param_ref ref) {
-    char path[RK_PARAM_PATH], text[RK_PARAM_TEXT], range[256];
-    rk_param_path(ref, path);
-    default_of(table, ref, text);
-    rk_param_range(ref.row, range, sizeof range);
-    bool shares = ref.group->part != RK_PART_NONE && !rk_param_prepares(ref);
-    printf("  %-22s %s\n  %-22s default %s%s%s, %s%s\n", path, ref.row->doc, "", text,
-           ref.row->unit[0] != '\0' ? " " : "", ref.row->unit, range,
-           shares ? "; points that differ in it share beds" : "");
-}
-
-static void print_piece(const struct rk_registry *registry, const struct rk_piece *piece) {
-    printf("%s (%s): %s\n", piece->name, registry->kind, piece->doc);
-    const struct rk_param_table *table = table_of(registry, piece);
-    size_t total = table ? rk_param_total(table) : 0;
-    if (total > 0) {
-        printf("\nparameters\n");
-    }
-    for (size_t i = 0; i < total; i++) {
-        print_param(table, rk_param_at(table, i));
-    }
-    if (registry == &rk_probe_registry) {
-        const struct rk_probe *probe = (const struct rk_probe *)piece;
-        printf("\ncolumns\n");
-        for (size_t i = 0; i < probe->count; i++) {
-            const struct rk_probe_column *column = &probe->columns[i];
-            printf("  %-22s %s%s%s%s\n", column->name, column->doc,
-                   column->unit[0] != '\0' ? " [" : "", column->unit,
-                   column->unit[0] != '\0' ? "]" : "");
-        }
-    }
-}
-
-static void print_registry(const struct rk_registry *registry) {
-    printf("%s: %s\n", registry->kind, registry->doc);
-    for (size_t i = 0; i < registry->count; i++) {
-        printf("  %-16s %s\n", registry->pieces[i]->name, registry->pieces[i]->doc);
-    }
-}
-
-/* ---- For machines -------------------------------------------------------------------------- */
-
-static void json_param(struct rk_json *json, const struct rk_param_table *table,
-                       struct rk_param_ref ref) {
-    char path[RK_PARAM_PATH], text[RK_PARAM_TEXT];
-    rk_param_path(ref, path);
-    default_of(table, ref, text);
-    rk_json_open_map(json, NULL);
-    rk_json_text(json, "name", path);
-    rk_json_text(json, "type", type_name(ref.row->type));
-    rk_json_text(json, "unit", ref.row->unit);
-    rk_json_text(json, "default", text);
-    if (ref.row->type == RK_PARAM_PIECE) {
-        rk_json_open_list(json, "choices");
-        for (size_t i = 0; i < ref.row->choices->count; i++) {
-            rk_json_text(json, NULL, ref.row->choices->pieces[i]->name);
-        }
-        rk_json_close(json);
-    } else if (ref.row->type != RK_PARAM_FLAG) {
-        rk_json_number(json, "low", ref.row->low);
-        rk_json_flag(json, "low_included", !ref.row->above_low);
-        rk_json_number(json, "high", ref.row->high);
-    }
-    if (ref.group->part != RK_PART_NONE) {
-        rk_json_flag(json, "prepares", rk_param_prepares(ref));
-    }
-    rk_json_text(json, "doc", ref.row->doc);
-    rk_json_close(json);
-}
-
-static void json_piece(struct rk_json *json, const struct rk_registry *registry,
-                       const struct rk_piece *piece) {
-    rk_json_open_map(json, NULL);
-    rk_json_text(json, "name", piece->name);
-    rk_json_text(json, "kind", registry->kind);
-    rk_json_text(json, "doc", piece->doc);
-    const struct rk_param_table *table = table_of(registry, piece);
-    if (table) {
-        rk_json_open_list(json, "parameters");
-        for (size_t i = 0; i < rk_param_total(table); i++) {
-            json_param(json, table, rk_param_at(table, i));
-        }
-        rk_json_close(json);
-    }
-    if (registry == &rk_probe_registry) {
-        const struct rk_probe *probe = (const struct rk_probe *)piece;
-        rk_json_open_list(json, "columns");
-        for (size_t i = 0; i < probe->count; i++) {
-            rk_json_open_map(json, NULL);
-            rk_json_text(json, "name", probe->columns[i].name);
-            rk_json_text(json, "unit", probe->columns[i].unit);
-            rk_json_text(json, "doc", probe->columns[i].doc);
-            rk_json_close(json);
-        }
-        rk_json_close(json);
-    }
-    rk_json_close(json);
-}
-
-static void json_registry(struct rk_json *json, const struct rk_registry *registry) {
-    rk_json_open_map(json, NULL);
-    rk_json_text(json, "kind", registry->kind);
-    rk_json_text(json, "doc", registry->doc);
-    rk_json_open_list(json, "pieces");
-    for (size_t i = 0; i < registry->count; i++) {
-        json_piece(json, registry, registry->pieces[i]);
-    }
-    rk_json_close(json);
-    rk_json_close(json);
-}
 
 /* ---- Finding what a name means --------------------------------------------------------------- */
 
@@ -180,13 +39,13 @@ static size_t describe_pieces(const char *name, struct rk_json *json) {
         }
         found++;
         if (json && piece) {
-            json_piece(json, registry, piece);
+            rk_describe_json_piece(json, registry, piece);
         } else if (json) {
-            json_registry(json, registry);
+            rk_describe_json_kind(json, registry);
         } else if (piece) {
-            print_piece(registry, piece);
+            rk_describe_print_piece(registry, piece);
         } else {
-            print_registry(registry);
+            rk_describe_print_kind(registry);
         }
     }
     return found;
@@ -195,9 +54,9 @@ static size_t describe_pieces(const char *name, struct rk_json *json) {
 static void describe_param(const struct rk_param_table *table, struct rk_param_ref ref,
                            struct rk_json *json) {
     if (json) {
-        json_param(json, table, ref);
+        rk_describe_json_param(json, table, ref);
     } else {
-        print_param(table, ref);
+        rk_describe_print_param(table, ref);
     }
 }
 
@@ -228,7 +87,7 @@ static size_t describe_params(const char *name, struct rk_json *json) {
     for (size_t r = 0; r < REGISTRIES; r++) {
         for (size_t i = 0; i < registries[r]->count; i++) {
             const struct rk_piece *piece = registries[r]->pieces[i];
-            const struct rk_param_table *table = table_of(registries[r], piece);
+            const struct rk_param_table *table = rk_describe_table(registries[r], piece);
             size_t length = strlen(piece->name);
             const char *path = name;
             if (strncmp(name, piece->name, length) == 0 && name[length] == '.') {
@@ -274,7 +133,7 @@ static int unknown(const char *name) {
         add_name(&names, registries[r]->kind);
         for (size_t i = 0; i < registries[r]->count; i++) {
             const struct rk_piece *piece = registries[r]->pieces[i];
-            const struct rk_param_table *table = table_of(registries[r], piece);
+            const struct rk_param_table *table = rk_describe_table(registries[r], piece);
             add_name(&names, piece->name);
             for (size_t p = 0; table && p < rk_param_total(table); p++) {
                 char path[RK_PARAM_PATH];
@@ -299,10 +158,10 @@ static void describe_all(bool as_json) {
     }
     for (size_t r = 0; r < REGISTRIES; r++) {
         if (as_json) {
-            json_registry(&json, registries[r]);
+            rk_describe_json_kind(&json, registries[r]);
         } else {
             printf("%s", r ? "\n" : "");
-            print_registry(registries[r]);
+            rk_describe_print_kind(registries[r]);
         }
     }
     if (as_json) {

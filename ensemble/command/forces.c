@@ -18,7 +18,7 @@ static enum rk_status estimate(const void *values, const struct rk_data *data,
     struct rk_forces *forces;
     enum rk_status status = rk_forces_estimate(&forces, &series, &options, &data->stream, err);
     if (status == RK_OK) {
-        rk_forces_fill(result, forces);
+        rk_forces_fill(result, forces, data->unit);
         rk_forces_free(forces);
     }
     return status;
@@ -26,7 +26,8 @@ static enum rk_status estimate(const void *values, const struct rk_data *data,
 
 static int forces(const void *options, size_t count, char *const *operands) {
     static const struct rk_data_command command = {
-        &rk_drawing_forces, "contact forces", "force", false, estimate, rk_forces_print};
+        &rk_command_forces, &rk_drawing_forces, "contact forces", "force", false,
+        estimate,           rk_forces_print};
     struct forces_options o = *(const struct forces_options *)options;
     /* What the other commands have options for has no meaning here. */
     o.data.interval = 1;
@@ -64,8 +65,8 @@ static const struct rk_option options[] = {
      .fallback = "0",
      .high = 1e9,
      .doc = "frames before period N; 0 is the end"},
-    RK_DATA_BOOTSTRAP_ROWS(forces_options, "1000", 100),
-    RK_DATA_OUTPUT_ROWS(forces_options),
+    RK_DATA_BOOTSTRAP_ROWS(forces_options, "1000", 100, false),
+    RK_DATA_OUTPUT_ROWS(forces_options, false),
 };
 
 const struct rk_command rk_command_forces = {

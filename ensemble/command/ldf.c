@@ -8,14 +8,15 @@
 
 /* The first part that was asked for and refused. */
 static enum rk_status find_refusal(const struct rk_ldf_parts *parts, struct rk_error *err) {
-    static const char *const what[RK_LDF_PARTS] = {[RK_LDF_LIMIT] = "limit of long windows",
-                                                   [RK_LDF_DIRECT] = "histogram",
-                                                   [RK_LDF_SYMMETRY] = "symmetry function",
-                                                   [RK_LDF_COMPARISON] = "comparison"};
+    static const char *const what[RK_LDF_PARTS] = {[RK_LDF_CURVE] = "",
+                                                   [RK_LDF_LIMIT] = "limit of long windows: ",
+                                                   [RK_LDF_DIRECT] = "histogram: ",
+                                                   [RK_LDF_SYMMETRY] = "symmetry function: ",
+                                                   [RK_LDF_COMPARISON] = "comparison: "};
     for (size_t i = 0; i < RK_LDF_PARTS; i++) {
         const struct rk_ldf_part *part = &parts->part[i];
         if (what[i] && part->asked && part->status != RK_OK) {
-            return rk_fail(err, part->status, "%s: %.400s", what[i], part->result.verdict);
+            return rk_fail(err, part->status, "%s%.400s", what[i], part->result.verdict);
         }
     }
     return RK_OK;
@@ -58,7 +59,8 @@ static enum rk_status answer(const struct rk_ldf_wish *o, struct rk_ldf_request 
         status = rk_ldf_parts_make(&parts, o, &request->options, windows, count, data, other, err);
     }
     if (status == RK_OK) {
-        enum rk_status drawn = o->data.plot ? rk_ldf_parts_plot(&parts, o->data.plot, err) : RK_OK;
+        enum rk_status drawn =
+            o->data.plot ? rk_ldf_parts_plot(&parts, data, o->data.plot, err) : RK_OK;
         if (drawn != RK_EINVALID) { /* the numbers are there without the picture */
             rk_ldf_parts_print(&parts, o, data);
         }
@@ -85,7 +87,8 @@ static enum rk_status read_inputs(const char *operand, struct rk_study *study,
 
 static int ldf(const void *options, size_t count, char *const *operands) {
     (void)count;
-    const struct rk_ldf_wish *o = options;
+    struct rk_ldf_wish wish = *(const struct rk_ldf_wish *)options;
+    const struct rk_ldf_wish *o = &wish;
     const char *operand = operands[0];
     struct rk_error err = RK_NO_ERROR;
     struct rk_data inputs[2] = {{0}, {0}};
@@ -99,13 +102,14 @@ static int ldf(const void *options, size_t count, char *const *operands) {
             return code;
         }
     }
+    struct rk_ldf_request request = rk_ldf_request_of(study);
+    rk_options_complete(&rk_command_ldf, &wish, rk_analysis_ldf.params, &request);
     int code = RK_EXIT_DONE;
     enum rk_status status = read_inputs(operand, study, o, inputs, &err);
     if (status != RK_OK) {
         code = rk_complain(&err);
         code = err.status == RK_EIO && !study ? RK_EXIT_USAGE : code;
     } else {
-        struct rk_ldf_request request = rk_ldf_request_of(study);
         status = answer(o, &request, &inputs[0], o->compare ? &inputs[1] : NULL, &err);
         if (status != RK_OK) {
             rk_error_locate(&err, "%s", operand);
@@ -134,18 +138,7 @@ static const struct rk_option options[] = {
      AT(windows),
      .argument = "N,N,..",
      .doc = "several lengths: their table and the limit of long windows"},
-    {.name = "from",
-     .type = RK_OPTION_REAL,
-     AT(from),
-     .argument = "N",
-     .high = 1e9,
-     .doc = "leave out what is before (in the same unit); the study's, or 0"},
-    {.name = "to",
-     .type = RK_OPTION_REAL,
-     AT(to),
-     .argument = "N",
-     .high = 1e9,
-     .doc = "leave out what is after; the study's, or 0, the end"},
+    RK_DATA_SPAN_ROWS(rk_ldf_wish, RK_DATA_SPAN_DOC),
     {.name = "symmetry",
      .type = RK_OPTION_FLAG,
      AT(symmetry),
@@ -166,28 +159,19 @@ static const struct rk_option options[] = {
      AT(compare),
      .argument = "OTHER",
      .doc = "another point of the study, or another file: where do they differ?"},
-    {.name = "integral",
-     .letter = 'i',
-     .type = RK_OPTION_FLAG,
-     AT(data.integral),
-     .doc = "the data are the observable's integral in time (a height for a velocity)"},
-    {.name = "interval",
-     .type = RK_OPTION_REAL,
-     AT(data.interval),
-     .argument = "T",
-     .fallback = "1",
-     .low = 1e-300,
-     .high = 1e300,
-     .doc = "time between two samples of a file"},
+    RK_DATA_INTEGRAL_ROWS(rk_ldf_wish),
+    RK_DATA_INTERVAL_ROWS(rk_ldf_wish),
     RK_DATA_FILE_ROWS(rk_ldf_wish),
     RK_DATA_STUDY_ROWS(rk_ldf_wish),
     {.name = "points",
      .type = RK_OPTION_COUNT,
      AT(points),
      .argument = "N",
+     .fallback = "81",
      .low = 5,
      .high = 10001,
-     .doc = "points of the curve, an odd number; the study's, or 81"},
+     .of_study = true,
+     .doc = "points of the curve, an odd number"},
     {.name = "k-low",
      .type = RK_OPTION_REAL,
      AT(k_low),
@@ -202,27 +186,8 @@ static const struct rk_option options[] = {
      .low = 0,
      .high = 1e300,
      .doc = "likewise"},
-    {.name = "bootstrap",
-     .type = RK_OPTION_COUNT,
-     AT(data.bootstrap),
-     .argument = "N",
-     .low = 100,
-     .high = 1e6,
-     .doc = "resamplings behind the intervals; the study's, or 1000"},
-    {.name = "level",
-     .type = RK_OPTION_REAL,
-     AT(data.level),
-     .argument = "P",
-     .low = 0.5,
-     .high = 0.999,
-     .doc = "probability that an interval is to cover; the study's, or 0.95"},
-    {.name = "seed",
-     .type = RK_OPTION_COUNT,
-     AT(data.seed),
-     .argument = "N",
-     .fallback = "1",
-     .high = 0x1p64,
-     .doc = "of the resampling of a file's data"},
+    RK_DATA_BOOTSTRAP_ROWS(rk_ldf_wish, "1000", 100, true),
+    RK_DATA_LEVEL_ROWS(rk_ldf_wish, true),
     {.name = "plot",
      .type = RK_OPTION_TEXT,
      AT(data.plot),

@@ -24,7 +24,7 @@ static const struct {
 };
 
 static struct rk_ldf_units units_of(const struct rk_data *data) {
-    return (struct rk_ldf_units){"", data->study ? "sqrt(d/g)" : "", "", "", ""};
+    return rk_ldf_units_of(data->study ? rk_data_rate_unit(data) : NULL);
 }
 
 static enum rk_series_mode mode_of(const struct rk_data *data) {
@@ -158,6 +158,12 @@ enum rk_status rk_ldf_parts_make(struct rk_ldf_parts *parts, const struct rk_ldf
     struct rk_ldf *ldf;
     enum rk_status status =
         rk_ldf_estimate(&ldf, &series, mode_of(data), &mine, &data->stream, err);
+    if (status == RK_EREFUSED) { /* then there is nothing to make the other parts of */
+        struct rk_error why = *err;
+        *parts = (struct rk_ldf_parts){.part[RK_LDF_CURVE].asked = true};
+        refuse(&parts->part[RK_LDF_CURVE], status, &why);
+        return RK_OK;
+    }
     if (status != RK_OK) {
         return status;
     }
@@ -222,7 +228,9 @@ static void print_csv(const struct rk_ldf_parts *parts) {
 
 static void print_text(const struct rk_ldf_parts *parts) {
     const struct rk_ldf_part *part = parts->part;
-    rk_ldf_print(&part[RK_LDF_CURVE].result, stdout);
+    if (is_there(parts, RK_LDF_CURVE)) {
+        rk_ldf_print(&part[RK_LDF_CURVE].result, stdout);
+    }
     if (is_there(parts, RK_LDF_LIMIT)) {
         printf("\n");
         rk_ldf_print_windows(&part[RK_LDF_WINDOWS].result, &part[RK_LDF_LIMIT].result, stdout);
@@ -250,13 +258,14 @@ void rk_ldf_parts_print(const struct rk_ldf_parts *parts, const struct rk_ldf_wi
     }
 }
 
-enum rk_status rk_ldf_parts_plot(const struct rk_ldf_parts *parts, const char *path,
-                                 struct rk_error *err) {
+enum rk_status rk_ldf_parts_plot(const struct rk_ldf_parts *parts, const struct rk_data *data,
+                                 const char *path, struct rk_error *err) {
     enum rk_status status = RK_OK;
+    char quantity[160];
+    snprintf(quantity, sizeof quantity, "%s averaged", rk_data_label(data, true).text);
     for (size_t i = 0; i < RK_LDF_PARTS && status == RK_OK; i++) {
         if (is_there(parts, i) && about[i].draw) {
-            const struct rk_picture model = {.title = about[i].title,
-                                             .quantity = "observable averaged"};
+            const struct rk_picture model = {.title = about[i].title, .quantity = quantity};
             status = rk_report_plot_as(&model, about[i].ending, about[i].draw,
                                        &parts->part[i].result, path, err);
         }

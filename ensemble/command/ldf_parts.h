@@ -27,7 +27,7 @@ struct rk_ldf_parts {
 
 /* Carry out what is asked. `request` has every option; window_count > 1 lengths ask for the table
  * and the limit, the curve being that of the first. `other` is compared with, or NULL. A part that
- * is refused does not keep the others; the curve's own failure is returned. */
+ * is refused does not keep the others from being made; without the curve there are none. */
 enum rk_status rk_ldf_parts_make(struct rk_ldf_parts *parts, const struct rk_ldf_wish *wish,
                                  const struct rk_ldf_options *options, const uint64_t *windows,
                                  size_t window_count, const struct rk_data *data,
@@ -36,8 +36,8 @@ void rk_ldf_parts_clear(struct rk_ldf_parts *parts);
 
 void rk_ldf_parts_print(const struct rk_ldf_parts *parts, const struct rk_ldf_wish *wish,
                         const struct rk_data *data);
-enum rk_status rk_ldf_parts_plot(const struct rk_ldf_parts *parts, const char *path,
-                                 struct rk_error *err);
+enum rk_status rk_ldf_parts_plot(const struct rk_ldf_parts *parts, const struct rk_data *data,
+                                 const char *path, struct rk_error *err);
 
 /* A line for each picture that rk_ldf_parts_plot drew. */
 void rk_ldf_parts_print_pictures(const struct rk_ldf_parts *parts, const char *path);

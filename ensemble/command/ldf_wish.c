@@ -45,12 +45,8 @@ enum rk_status rk_ldf_wish_check(const struct rk_ldf_wish *o, const char *operan
 struct rk_ldf_request rk_ldf_request_of(const struct rk_study *study) {
     struct rk_ldf_request request;
     rk_param_defaults(rk_analysis_ldf.params, &request);
-    for (size_t i = 0; study && i < study->request_count; i++) {
-        if (study->requests[i].analysis == &rk_analysis_ldf) {
-            return *(const struct rk_ldf_request *)study->requests[i].params;
-        }
-    }
-    return request;
+    const struct rk_ldf_request *own = rk_data_request(study, &rk_analysis_ldf);
+    return own ? *own : request;
 }
 
 /* "5,10,20" as lengths; *count stays 0 without a list. */
@@ -81,31 +77,11 @@ static enum rk_status read_windows(const char *list, uint64_t windows[RK_LDF_WIN
     return RK_OK;
 }
 
-/* A bound of the span, if it was given. */
-static enum rk_status override(const char *name, double wish, uint64_t *value,
-                               struct rk_error *err) {
-    if (isnan(wish)) {
-        return RK_OK;
-    }
-    if (wish < 0 || wish != floor(wish)) {
-        return rk_fail(err, RK_EINVALID, "--%s: %g will not do, it must be a whole number", name,
-                       wish);
-    }
-    *value = (uint64_t)wish;
-    return RK_OK;
-}
-
 enum rk_status rk_ldf_wish_resolve(const struct rk_ldf_wish *o, struct rk_ldf_request *request,
                                    uint64_t windows[RK_LDF_WINDOWS_MOST], size_t *count,
                                    struct rk_error *err) {
     struct rk_ldf_options *options = &request->options;
-    enum rk_status status = override("from", o->from, &options->from, err);
-    if (status == RK_OK) {
-        status = override("to", o->to, &options->to, err);
-    }
-    if (status == RK_OK) {
-        status = read_windows(o->windows, windows, count, err);
-    }
+    enum rk_status status = read_windows(o->windows, windows, count, err);
     if (status != RK_OK) {
         return status;
     }
@@ -115,9 +91,11 @@ enum rk_status rk_ldf_wish_resolve(const struct rk_ldf_wish *o, struct rk_ldf_re
                                    windows);
     }
     options->window = windows[0];
-    options->points = o->points > 0 ? o->points : options->points;
-    options->bootstrap = o->data.bootstrap > 0 ? o->data.bootstrap : options->bootstrap;
-    options->level = isnan(o->data.level) ? options->level : o->data.level;
+    options->from = o->data.from;
+    options->to = o->data.to;
+    options->points = o->points;
+    options->bootstrap = o->data.bootstrap;
+    options->level = o->data.level;
     options->k_low = isnan(o->k_low) ? 0 : o->k_low;
     options->k_high = isnan(o->k_high) ? 0 : o->k_high;
     return RK_OK;

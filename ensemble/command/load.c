@@ -1,6 +1,7 @@
 /* Studies as the subcommands take them. */
 #include "ensemble/analysis/target.h"
 #include "ensemble/command/command.h"
+#include "ensemble/store/files.h"
 #include "ensemble/store/plan_file.h"
 
 #include <errno.h>
@@ -9,8 +10,36 @@
 #include <string.h>
 #include <sys/stat.h>
 
+/* A folder in the place of a study file: which file is meant, if it is that of a study. */
+static enum rk_status refuse_folder(const char *path, struct rk_error *err) {
+    struct stat about;
+    struct rk_path file;
+    int length = (int)strlen(path);
+    while (length > 1 && path[length - 1] == '/') {
+        length--;
+    }
+    if (stat(path, &about) != 0 || !S_ISDIR(about.st_mode)) {
+        return RK_OK;
+    }
+    bool study = rk_path_set(&file, NULL, "%.*s/study.yaml", length, path) == RK_OK &&
+                 stat(file.text, &about) == 0;
+    return study
+               ? rk_fail(err, RK_EINVALID,
+                         "'%.*s' is the folder of a study; its file is %.200s, and with '-o %.*s' "
+                         "'reckon run' goes on in the folder",
+                         length, path, file.text, length, path)
+               : rk_fail(err, RK_EINVALID,
+                         "'%.*s' is a folder; the file of a study is expected ('reckon new' makes "
+                         "one)",
+                         length, path);
+}
+
 int rk_command_load_study(const char *path, struct rk_study **study) {
     struct rk_error err = RK_NO_ERROR;
+    if (refuse_folder(path, &err) != RK_OK) {
+        *study = NULL;
+        return rk_complain(&err);
+    }
     if (rk_study_load(path, study, &err) == RK_OK) {
         return RK_EXIT_DONE;
     }
@@ -35,8 +64,11 @@ static enum rk_status check_folder(const char *folder, struct rk_error *err) {
                              strerror(errno));
     }
     if (!S_ISDIR(about.st_mode)) {
+        size_t length = strlen(folder);
+        bool study = length > 5 && strcmp(folder + length - 5, ".yaml") == 0;
         return rk_fail(err, RK_EINVALID,
-                       "'%.200s' is a file; the folder that 'reckon run' made is expected", folder);
+                       "'%.200s' is a file; the folder that 'reckon run%s%.200s' made is expected",
+                       folder, study ? " " : "", study ? folder : "");
     }
     return RK_OK;
 }

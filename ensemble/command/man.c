@@ -48,6 +48,7 @@ static void option(const struct rk_option *o) {
     text(o->doc);
     if (o->fallback) {
         fputs(" [", stdout);
+        text(o->of_study ? "the study's, or " : "");
         text(o->fallback);
         putchar(']');
     }

@@ -1,11 +1,13 @@
 /* reckon new: a commented study file of a case, written from the tables that read it. */
-#include "ensemble/analysis.h"
+#include "ensemble/analysis/private.h"
 #include "ensemble/command/command.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 struct new_options {
     const char *output;
@@ -70,7 +72,8 @@ static enum rk_status write_analyses(FILE *out, struct rk_error *err) {
             struct rk_param_line line = rk_param_line(analysis->params, p, values);
             fprintf(out, "%s%s: %s", p > 0 ? ", " : "", line.path, line.text);
         }
-        fprintf(out, "}\n");
+        const char *points = analysis->methods->points;
+        fprintf(out, "}%s%s\n", points ? "  # needs " : "", points ? points : "");
         free(values);
     }
     return RK_OK;
@@ -87,6 +90,19 @@ static void write_sweep(FILE *out, const struct rk_param_table *table, const voi
                     "{..., step: 0.5}, {..., log: yes}\n",
                     line.path, line.text);
             return;
+        }
+    }
+}
+
+/* The keys of a study that have no place above, each with an example. */
+static void write_keys(FILE *out) {
+    const struct rk_registry *keys = &rk_study_key_registry;
+    for (size_t i = 0; i < keys->count; i++) {
+        const struct rk_study_key *key = (const struct rk_study_key *)keys->pieces[i];
+        if (key->example) {
+            const char *doc = key->piece.doc;
+            fprintf(out, "\n# %c%s.\n# %s: %s\n", toupper((unsigned char)doc[0]), doc + 1,
+                    key->piece.name, key->example);
         }
     }
 }
@@ -112,14 +128,18 @@ static enum rk_status write_study(FILE *out, const struct rk_case *scene, struct
                  "# points:\n#   - {name: a}\n");
     write_sweep(out, table, values);
     enum rk_status status = write_analyses(out, err);
+    write_keys(out);
     free(values);
     return status;
 }
 
 /* A file that is there stays as it is: it may be somebody's study. */
 static FILE *open_output(const char *path, struct rk_error *err) {
+    struct stat about;
     FILE *out = path ? fopen(path, "wx") : stdout;
-    if (!out && errno == EEXIST) {
+    if (!out && errno == EEXIST && stat(path, &about) == 0 && S_ISDIR(about.st_mode)) {
+        rk_fail(err, RK_EINVALID, "is a folder; name the file in it that is to be written");
+    } else if (!out && errno == EEXIST) {
         rk_fail(err, RK_ECONFLICT, "there is a file of that name already; it is left as it is");
     } else if (!out) {
         rk_fail(err, RK_EIO, "cannot write the file: %s", strerror(errno));

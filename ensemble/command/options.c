@@ -61,6 +61,9 @@ static enum rk_status set(const struct rk_option *option, const char *text, void
     return RK_OK;
 }
 
+/* Stands in an option of the study until rk_options_complete: no option reaches so far. */
+static const uint64_t COUNT_NOT_GIVEN = UINT64_MAX;
+
 static enum rk_status set_defaults(const struct rk_command *command, void *values,
                                    struct rk_error *err) {
     memset(values, 0, command->size);
@@ -69,7 +72,10 @@ static enum rk_status set_defaults(const struct rk_command *command, void *value
         if (option->type == RK_OPTION_REAL) {
             *(double *)((char *)values + option->offset) = NAN;
         }
-        if (option->fallback) {
+        if (option->of_study && option->type == RK_OPTION_COUNT) {
+            *(uint64_t *)((char *)values + option->offset) = COUNT_NOT_GIVEN;
+        }
+        if (option->fallback && !option->of_study) {
             enum rk_status status = set(option, option->fallback, values, err);
             if (status != RK_OK) {
                 return status;
@@ -77,6 +83,27 @@ static enum rk_status set_defaults(const struct rk_command *command, void *value
         }
     }
     return RK_OK;
+}
+
+void rk_options_complete(const struct rk_command *command, void *values,
+                         const struct rk_param_table *table, const void *params) {
+    for (size_t i = 0; i < command->option_count; i++) {
+        const struct rk_option *option = &command->options[i];
+        char *value = (char *)values + option->offset;
+        bool count = option->type == RK_OPTION_COUNT;
+        if (!option->of_study ||
+            (count ? *(uint64_t *)value != COUNT_NOT_GIVEN : !isnan(*(double *)value))) {
+            continue;
+        }
+        struct rk_param_ref ref =
+            table ? rk_param_find(table, option->name) : (struct rk_param_ref){NULL, NULL};
+        if (ref.row && ref.row->type == (count ? RK_PARAM_COUNT : RK_PARAM_REAL)) {
+            memcpy(value, (const char *)params + ref.group->offset + ref.row->offset,
+                   count ? sizeof(uint64_t) : sizeof(double));
+        } else {
+            set(option, option->fallback, values, NULL);
+        }
+    }
 }
 
 /* The option that `--name` or `--name=value` means; *value is what follows '=' or NULL. */
@@ -187,7 +214,7 @@ static void print_option(const struct rk_option *option) {
              option->argument ? option->argument : "");
     printf("  %-26s %s", left, option->doc);
     if (option->fallback) {
-        printf(" [%s]", option->fallback);
+        printf(" [%s%s]", option->of_study ? "the study's, or " : "", option->fallback);
     }
     printf("\n");
 }

@@ -46,7 +46,6 @@ static enum rk_status estimate(const void *values, const struct rk_data *data,
     if (status != RK_OK) {
         return status;
     }
-    bool velocity = data->study && data->integral;
     const struct rk_pdf_request request = {
         .series = {s->values, s->replicas, s->samples, s->samples, s->lengths, data->interval},
         .weights = input->weights,
@@ -56,7 +55,7 @@ static enum rk_status estimate(const void *values, const struct rk_data *data,
         .to = o->data.to * data->scale,
         .options = fit_options(o),
         .sides = o->sides,
-        .unit = velocity ? "sqrt(g d)" : ""};
+        .unit = rk_data_rate_unit(data)};
     return rk_pdf_result(result, &request, &data->stream, err);
 }
 
@@ -171,8 +170,7 @@ static int fit_columns(const struct rk_data_command *command, const char *path,
     struct input input = {.options = o};
     struct rk_samples columns[2] = {{0}};
     const char *const names[2] = {o->data.column, o->weights};
-    if (check_columns(o, path, &err) != RK_OK ||
-        (o->data.plot && rk_data_spare(path, o->data.plot, "", &err) != RK_OK)) {
+    if (check_columns(o, path, &err) != RK_OK) {
         return rk_complain(&err);
     }
     int code;
@@ -183,6 +181,8 @@ static int fit_columns(const struct rk_data_command *command, const char *path,
                                      .samples = columns[0],
                                      .interval = o->data.interval,
                                      .scale = 1,
+                                     .unit = "",
+                                     .what = "samples",
                                      .stream =
                                          rk_stream_of(o->data.seed, 0, 0, RK_FOR_BOOTSTRAP, 0)};
         input.weights = columns[1].values;
@@ -202,12 +202,16 @@ static int fit_columns(const struct rk_data_command *command, const char *path,
 
 static int pdf(const void *options, size_t count, char *const *operands) {
     static const struct rk_data_command command = {
-        &rk_analysis_pdf, "probability density", "observable", true, estimate, rk_pdf_print};
-    const struct pdf_options *o = options;
-    const struct input input = {.options = o};
+        &rk_command_pdf, &rk_analysis_pdf, "probability density", NULL, true,
+        estimate,        rk_pdf_print};
+    struct pdf_options o = *(const struct pdf_options *)options;
+    const struct input input = {.options = &o};
     (void)count;
-    return o->weights || o->histogram ? fit_columns(&command, operands[0], o)
-                                      : rk_data_main(&command, operands[0], &o->data, &input);
+    if (o.weights || o.histogram) {
+        rk_data_complete(&command, NULL, &o.data);
+        return fit_columns(&command, operands[0], &o);
+    }
+    return rk_data_main(&command, operands[0], &o.data, &input);
 }
 
 #define AT(member) .offset = offsetof(struct pdf_options, member)
@@ -244,9 +248,10 @@ static const struct rk_option options[] = {
      .fallback = "99",
      .low = 0,
      .high = 1e5,
+     .of_study = true,
      .doc = "samples drawn from each fit to test it; 0 for none, else at least 50"},
-    RK_DATA_BOOTSTRAP_ROWS(pdf_options, "0", 0),
-    RK_DATA_OUTPUT_ROWS(pdf_options),
+    RK_DATA_BOOTSTRAP_ROWS(pdf_options, "0", 0, true),
+    RK_DATA_OUTPUT_ROWS(pdf_options, true),
 };
 
 const struct rk_command rk_command_pdf = {
@@ -257,7 +262,8 @@ const struct rk_command rk_command_pdf = {
              "from the scatter of replicas (or of blocks of fewer ones), and says which of them\n"
              "the data are of, how sure that is, and from how many independent samples.\n"
              "Rows of a CSV file may have weights, or be the bins of a histogram; both are taken\n"
-             "for independent samples, and no samples are drawn to test such fits.",
+             "for independent samples, and no samples are drawn to test such fits.\n"
+             "For a study, what is not given is as its own analysis `pdf` has it.",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .size = sizeof(struct pdf_options),

@@ -35,8 +35,8 @@ static enum rk_status estimate(const void *values, const struct rk_data *data,
         status = rk_analysis_once_a_period(&point, &series, err);
     }
     if (status == RK_OK) {
-        status =
-            rk_relax_result(result, &series, &options, data->study ? "sqrt(d/g)" : "", "", err);
+        status = rk_relax_result(result, &series, &options, data->study ? "sqrt(d/g)" : "",
+                                 data->unit, err);
         free((void *)(uintptr_t)series.data);
         free((void *)(uintptr_t)series.lengths);
     }
@@ -45,10 +45,10 @@ static enum rk_status estimate(const void *values, const struct rk_data *data,
 
 static int relax(const void *options, size_t count, char *const *operands) {
     static const struct rk_data_command command = {
-        &rk_analysis_relax, "relaxation", "observable", false, estimate, rk_relax_print};
-    const struct relax_options *o = options;
+        &rk_command_relax, &rk_analysis_relax, "relaxation", NULL, false, estimate, rk_relax_print};
+    struct relax_options o = *(const struct relax_options *)options;
     (void)count;
-    return rk_data_main(&command, operands[0], &o->data, options);
+    return rk_data_main(&command, operands[0], &o.data, &o);
 }
 
 static const struct rk_option options[] = {
@@ -60,7 +60,7 @@ static const struct rk_option options[] = {
      .low = -1e300,
      .high = 1e300,
      .doc = "where it stays, when that is known; fitted otherwise"},
-    RK_DATA_OUTPUT_ROWS(relax_options),
+    RK_DATA_OUTPUT_ROWS(relax_options, true),
 };
 
 const struct rk_command rk_command_relax = {
@@ -69,7 +69,8 @@ const struct rk_command rk_command_relax = {
     .usage = "DIR --point NAME | FILE.h5:/DATASET | FILE.csv [OPTIONS]",
     .about = "Fits single, stretched and double exponentials by generalised least squares, with\n"
              "intervals from the scatter of replicas (or, of fewer than five, from noise with\n"
-             "one step's memory), chooses among them, and refuses a series that has not relaxed.",
+             "one step's memory), chooses among them, and refuses a series that has not relaxed.\n"
+             "For a study, what is not given is as its own analysis `relax` has it.",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .size = sizeof(struct relax_options),

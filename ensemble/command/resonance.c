@@ -5,9 +5,7 @@
 #include "ensemble/command/data.h"
 #include "stats/stats.h"
 
-#include <errno.h>
 #include <stdlib.h>
-#include <sys/stat.h>
 
 struct resonance_options {
     struct rk_data_options data;
@@ -79,13 +77,21 @@ static enum rk_status read_folder(const char *folder, struct rk_study *study,
                                   struct rk_error *err) {
     const struct rk_notice notice = {warn, NULL};
     struct rk_plan *plan = NULL;
-    enum rk_status status = rk_command_plan_folder(folder, study, &plan, err);
+    enum rk_status status = rk_resonance_check_points(study, err);
+    if (status == RK_OK) {
+        status = rk_command_plan_folder(folder, study, &plan, err);
+    }
     if (status == RK_OK) {
         status = rk_point_values_create(rates, study->point_count, plan->count, err);
     }
     for (size_t p = 0; status == RK_OK && p < study->point_count; p++) {
+        struct rk_schedule schedule = study->scene->schedule(study->points[p].params);
         struct rk_gathered g = {0};
         struct rk_series series;
+        status = rk_analysis_check_span(o->data.from, o->data.to, &schedule, err);
+        if (status != RK_OK) {
+            break;
+        }
         status = rk_gather(folder, plan, p, RK_REPORT_OBSERVABLE, &notice, &g, err);
         if (status == RK_OK) {
             struct rk_point_data data = rk_gathered_data(plan, p, &g, &series);
@@ -108,8 +114,8 @@ static enum rk_status estimate(const void *values, const struct rk_data *data,
                                data->study ? "sqrt(d/g)" : "", data->study ? "sqrt(g d)" : "", err);
 }
 
-static enum rk_status check_options(const struct resonance_options *o, bool folder,
-                                    struct rk_error *err) {
+static enum rk_status check_options(const struct resonance_options *o, const char *operand,
+                                    bool folder, struct rk_error *err) {
     if (o->data.json && o->data.csv) {
         return rk_fail(err, RK_EINVALID, "--json and --csv: choose one of them");
     }
@@ -119,30 +125,54 @@ static enum rk_status check_options(const struct resonance_options *o, bool fold
     if (!folder && (!o->period || !o->rate)) {
         return rk_fail(err, RK_EINVALID, "say which columns: --period NAME --rate NAME");
     }
-    if (!folder && (o->data.from > 0 || o->data.to > 0)) {
-        return rk_fail(err, RK_EINVALID,
-                       "--from and --to are for the folder of a study; the rates of a CSV file are "
-                       "taken as they are");
+    return o->data.plot ? rk_data_spare(operand, o->data.plot, "", err) : RK_OK;
+}
+
+/* Read, estimate, give out. */
+static int answer(const struct rk_data_command *command, const char *operand,
+                  struct rk_study *study, const struct resonance_options *o) {
+    struct rk_error err = RK_NO_ERROR;
+    struct rk_point_values rates = {0};
+    if (!study && (o->data.from > 0 || o->data.to > 0)) {
+        rk_fail(
+            &err, RK_EINVALID,
+            "--from and --to are for the folder of a study; the rates of a CSV file are taken as "
+            "they are");
+        return rk_complain(&err);
     }
-    return RK_OK;
+    enum rk_status status =
+        study ? read_folder(operand, study, o, &rates, &err) : read_file(operand, o, &rates, &err);
+    int code;
+    if (status == RK_OK) {
+        const struct request request = {o, &rates};
+        const struct rk_data data = {
+            .name = operand,
+            .samples.replicas = rates.first[rates.points],
+            .interval = 1,
+            .study = study != NULL,
+            .unit = "",
+            .stream = rk_stream_of(study ? study->seed : o->data.seed, 0, 0, RK_FOR_BOOTSTRAP, 0)};
+        code = rk_data_give(command, operand, &o->data, &request, &data);
+    } else {
+        rk_error_locate(&err, "%s", operand);
+        code = rk_complain(&err);
+        code = err.status == RK_EIO && !study ? RK_EXIT_USAGE : code;
+    }
+    rk_point_values_clear(&rates);
+    return code;
 }
 
 static int resonance(const void *options, size_t count, char *const *operands) {
     static const struct rk_data_command command = {
-        &rk_analysis_resonance, "resonance", "period", false, estimate, rk_resonance_print};
-    const struct resonance_options *o = options;
+        &rk_command_resonance, &rk_analysis_resonance, "resonance", "period", false, estimate,
+        rk_resonance_print};
+    struct resonance_options o = *(const struct resonance_options *)options;
     struct rk_error err = RK_NO_ERROR;
     struct rk_study *study = NULL;
-    struct rk_point_values rates = {0};
-    struct stat about;
-    bool there = stat(operands[0], &about) == 0, folder = there && S_ISDIR(about.st_mode);
+    bool folder = rk_data_is_folder(operands[0]);
     (void)count;
-    if (!there && errno == ENOENT) {
-        rk_fail(&err, RK_EINVALID, "%.200s: there is no such file or folder", operands[0]);
-        return rk_complain(&err);
-    }
-    if (check_options(o, folder, &err) != RK_OK ||
-        (o->data.plot && rk_data_spare(operands[0], o->data.plot, "", &err) != RK_OK)) {
+    if (rk_data_check_there(operands[0], &err) != RK_OK ||
+        check_options(&o, operands[0], folder, &err) != RK_OK) {
         return rk_complain(&err);
     }
     if (folder) {
@@ -151,24 +181,8 @@ static int resonance(const void *options, size_t count, char *const *operands) {
             return code;
         }
     }
-    enum rk_status status = folder ? read_folder(operands[0], study, o, &rates, &err)
-                                   : read_file(operands[0], o, &rates, &err);
-    int code;
-    if (status == RK_OK) {
-        const struct request request = {o, &rates};
-        const struct rk_data data = {
-            .name = operands[0],
-            .samples.replicas = rates.first[rates.points],
-            .interval = 1,
-            .study = folder,
-            .stream = rk_stream_of(study ? study->seed : o->data.seed, 0, 0, RK_FOR_BOOTSTRAP, 0)};
-        code = rk_data_give(&command, operands[0], &o->data, &request, &data);
-    } else {
-        rk_error_locate(&err, "%s", operands[0]);
-        code = rk_complain(&err);
-        code = err.status == RK_EIO && !folder ? RK_EXIT_USAGE : code;
-    }
-    rk_point_values_clear(&rates);
+    rk_data_complete(&command, study, &o.data);
+    int code = answer(&command, operands[0], study, &o);
     rk_study_free(study);
     return code;
 }
@@ -186,22 +200,9 @@ static const struct rk_option options[] = {
      AT(rate),
      .argument = "NAME",
      .doc = "column with the rate of one replica at that period"},
-    {.name = "from",
-     .type = RK_OPTION_COUNT,
-     AT(data.from),
-     .argument = "N",
-     .fallback = "0",
-     .high = 1e9,
-     .doc = "leave out what is before, in periods of a study"},
-    {.name = "to",
-     .type = RK_OPTION_COUNT,
-     AT(data.to),
-     .argument = "N",
-     .fallback = "0",
-     .high = 1e9,
-     .doc = "leave out what is after; 0 is the end"},
-    RK_DATA_BOOTSTRAP_ROWS(resonance_options, "1000", 100),
-    RK_DATA_OUTPUT_ROWS(resonance_options),
+    RK_DATA_SPAN_ROWS(resonance_options, "leave out what is before, in periods of a study"),
+    RK_DATA_BOOTSTRAP_ROWS(resonance_options, "1000", 100, true),
+    RK_DATA_OUTPUT_ROWS(resonance_options, true),
 };
 
 const struct rk_command rk_command_resonance = {
@@ -212,7 +213,8 @@ const struct rk_command rk_command_resonance = {
         "Fits h/(1 + ((T - T0)/w)^2) to the mean rates of the points of a study, which differ in\n"
         "the period, or of a CSV file with one row a replica. Intervals of position, height and\n"
         "width by bootstrap over the replicas of each period, paired where they begin from one "
-        "bed.",
+        "bed.\n"
+        "For a study, what is not given is as its own analysis `resonance` has it.",
     .options = options,
     .option_count = sizeof options / sizeof *options,
     .size = sizeof(struct resonance_options),

@@ -124,21 +124,27 @@ static void list_reasons(const char *folder, const struct rk_plan *plan, size_t 
     }
 }
 
-static size_t count_retried(const char *folder, const struct rk_plan *plan) {
+/* Runs that ended in that state after being tried again. */
+static size_t count_retried(const char *folder, const struct rk_plan *plan,
+                            enum rk_run_state state) {
     size_t retried = 0;
     for (size_t i = 0; i < plan->count && plan->study->retry.times > 0; i++) {
         struct rk_run_facts facts = rk_store_run_facts(folder, plan, &plan->runs[i]);
-        retried += facts.state == RK_RUN_DONE && facts.retries > 0;
+        retried += facts.state == state && facts.retries > 0;
     }
     return retried;
 }
 
 static void say_next(const char *folder, const struct rk_plan *plan,
                      const struct rk_run_report *report, const struct run_options *o) {
-    size_t retried = count_retried(folder, plan);
+    size_t retried = count_retried(folder, plan, RK_RUN_DONE);
+    size_t again = count_retried(folder, plan, RK_RUN_FAILED);
     if (retried > 0) {
         printf("%zu run%s done with smaller time steps after failing\n", retried,
                retried == 1 ? " was" : "s were");
+    }
+    if (again > 0) {
+        printf("%zu run%s failed with smaller time steps, too\n", again, again == 1 ? "" : "s");
     }
     if (report->failed > 0 && plan->study->retry.times == 0) {
         printf("next: with 'retry: {step: 0.5, times: 1}' in the study failed runs are done again "

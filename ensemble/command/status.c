@@ -29,6 +29,7 @@ static const struct rk_option options[] = {
 struct tally {
     size_t count[RK_RUN_FAILED + 1]; /* runs by enum rk_run_state */
     size_t retried;                  /* of those done, at a smaller step after failing */
+    size_t failed_again;             /* of those failed, at a smaller step, too */
     size_t running;                  /* of those started or waiting, what somebody is at */
     double left;                     /* grain-steps, at most */
     double rate;                     /* of all who are at work */
@@ -83,6 +84,7 @@ static struct tally tally_of(const char *folder, const struct rk_plan *plan) {
         enum rk_run_state state = facts.state;
         tally.count[state]++;
         tally.retried += state == RK_RUN_DONE && facts.retries > 0;
+        tally.failed_again += state == RK_RUN_FAILED && facts.retries > 0;
         if (state == RK_RUN_STARTED || state == RK_RUN_WAITING) {
             tally.left += cost_left(&plan->runs[i], running, tally.running);
         }
@@ -122,7 +124,11 @@ static void print_text(const char *folder, const struct rk_plan *plan, const str
         printf("  retried  %8zu    (of those done: at a smaller step, after failing)\n",
                t->retried);
     }
-    printf("  failed   %8zu\n", t->count[RK_RUN_FAILED]);
+    printf("  failed   %8zu", t->count[RK_RUN_FAILED]);
+    if (t->failed_again > 0) {
+        printf("    (%zu of them also at smaller steps)", t->failed_again);
+    }
+    printf("\n");
     printf("  running  %8zu\n", running);
     printf("  stopped  %8zu\n", stopped);
     printf("  waiting  %8zu\n", open - running - stopped);
@@ -179,6 +185,7 @@ static void print_json(const char *folder, const struct rk_plan *plan, const str
     rk_json_count(&json, "done", t->count[RK_RUN_DONE]);
     rk_json_count(&json, "retried", t->retried);
     rk_json_count(&json, "failed", t->count[RK_RUN_FAILED]);
+    rk_json_count(&json, "failed_again", t->failed_again);
     rk_json_count(&json, "running", t->running);
     rk_json_count(&json, "started", t->count[RK_RUN_STARTED]);
     rk_json_count(&json, "waiting", t->count[RK_RUN_WAITING]);
@@ -195,6 +202,7 @@ static void print_json(const char *folder, const struct rk_plan *plan, const str
             rk_json_open_map(&json, NULL);
             rk_json_text(&json, "run", plan->runs[i].id);
             rk_json_text(&json, "reason", facts.reason);
+            rk_json_count(&json, "retries", facts.retries);
             rk_json_close(&json);
         }
     }

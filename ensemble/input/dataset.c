@@ -51,6 +51,12 @@ static enum rk_status read_values(hid_t dataset, struct rk_samples *out, struct 
 static enum rk_status read_dataset(hid_t file, const char *path, struct rk_samples *out,
                                    struct rk_error *err) {
     hid_t dataset = H5Dopen2(file, path, H5P_DEFAULT);
+    hid_t group = dataset < 0 ? H5Gopen2(file, path, H5P_DEFAULT) : -1;
+    if (group >= 0) {
+        H5Gclose(group);
+        return rk_fail(err, RK_EINVALID,
+                       "is a group, no dataset; 'h5dump -n FILE' lists what is in it");
+    }
     if (dataset < 0) {
         return rk_fail(err, RK_EINVALID, "there is no such dataset in the file");
     }

@@ -289,7 +289,7 @@ static enum rk_status read_rows(struct reader *r, struct field *fields) {
         }
     }
     if (status == RK_OK && r->count == 0) {
-        return wrong(r, 1, "no rows of numbers");
+        return wrong(r, 1, r->number == 1 ? "the file is empty" : "no rows of numbers");
     }
     return status;
 }

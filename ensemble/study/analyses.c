@@ -35,19 +35,35 @@ static enum rk_status entry(struct rk_spot spot, const char **name, struct rk_ya
     return RK_OK;
 }
 
-/* What an analysis asks of the runs must be there in every point: a window no longer than a run. */
+/* What an analysis asks of the runs must be there in every point: a window no longer than a run.
+ * What is made of all points together asks something of them, too. */
 static enum rk_status check_request(const struct rk_study *study, const struct rk_request *request,
                                     struct rk_error *err) {
+    const struct rk_analysis_methods *methods = request->analysis->methods;
     enum rk_status status = RK_OK;
     for (size_t i = 0; i < study->point_count && status == RK_OK; i++) {
         struct rk_schedule schedule = study->scene->schedule(study->points[i].params);
-        status = request->analysis->methods->check(request->params, &schedule, err);
+        status = methods->check(request->params, &schedule, err);
     }
-    return status;
+    return status == RK_OK && methods->check_points ? methods->check_points(study, err) : status;
 }
 
-static enum rk_status read_request(struct rk_spot spot, const struct rk_study *study,
-                                   struct rk_request *request, struct rk_error *err) {
+/* Where is it written what a check refuses: a parameter of the analysis, a key of the study, or
+ * else the analysis itself. */
+static void locate(const struct rk_sources *sources, struct rk_spot map, struct rk_spot analysis,
+                   struct rk_yaml_place place, struct rk_error *err) {
+    struct rk_spot spot = rk_study_find_param(map, err->subject);
+    spot = spot.node ? spot : rk_sources_find(sources, err->subject);
+    if (spot.node) {
+        rk_spot_locate(spot, err);
+    } else {
+        rk_yaml_locate(analysis.tree, place, err);
+    }
+}
+
+static enum rk_status read_request(const struct rk_sources *sources, struct rk_spot spot,
+                                   const struct rk_study *study, struct rk_request *request,
+                                   struct rk_error *err) {
     const char *name = NULL;
     struct rk_yaml_place place = spot.node->place;
     struct rk_spot map;
@@ -74,8 +90,7 @@ static enum rk_status read_request(struct rk_spot spot, const struct rk_study *s
     if (status == RK_OK) {
         status = check_request(study, request, err);
         if (status != RK_OK && err) {
-            struct rk_spot at = rk_study_find_param(map, err->subject);
-            rk_yaml_locate(spot.tree, at.node ? at.node->place : place, err);
+            locate(sources, map, spot, place, err);
         }
     }
     return status;
@@ -100,7 +115,7 @@ enum rk_status rk_study_read_analyses(const struct rk_sources *sources, struct r
     enum rk_status status = RK_OK;
     struct rk_spot spot = {list.tree, rk_yaml_first(list.tree, list.node)};
     for (size_t i = 0; i < study->request_count && status == RK_OK; i++) {
-        status = read_request(spot, study, &study->requests[i], err);
+        status = read_request(sources, spot, study, &study->requests[i], err);
         spot.node = rk_yaml_next(spot.tree, spot.node);
     }
     return status;

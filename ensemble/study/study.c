@@ -7,14 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const keys[] = {"study", "case",     "seed",    "replicas", "base",  "points",
-                                   "sweep", "analyses", "include", "keep",     "until", "retry"};
-enum { KEYS = sizeof keys / sizeof *keys };
-
-static const char *key_name(const void *list, size_t i) {
-    return ((const char *const *)list)[i];
-}
-
 /* A value that must be a single text. */
 static enum rk_status expect_text(struct rk_spot spot, struct rk_error *err) {
     if (spot.node->kind == RK_YAML_TEXT) {
@@ -51,21 +43,27 @@ enum rk_status rk_study_copy_name(struct rk_spot spot, const char *what, char na
     return RK_OK;
 }
 
+/* "; it may have study, case, ...". */
+static void list_keys(char *text, size_t size) {
+    size_t used = (size_t)snprintf(text, size, "; it may have");
+    for (size_t i = 0; i < rk_study_key_registry.count && used < size; i++) {
+        used += (size_t)snprintf(text + used, size - used, "%s %s", i > 0 ? "," : "",
+                                 rk_study_key_registry.pieces[i]->name);
+    }
+    if (used < size) {
+        snprintf(text + used, size - used, "; parameters of the case stand under base");
+    }
+}
+
 static enum rk_status check_keys(const struct rk_yaml *tree, struct rk_error *err) {
     const struct rk_yaml_node *root = rk_yaml_root(tree);
     for (const struct rk_yaml_node *n = rk_yaml_first(tree, root); n; n = rk_yaml_next(tree, n)) {
-        bool known = false;
-        for (size_t i = 0; i < KEYS; i++) {
-            known = known || strcmp(keys[i], n->key) == 0;
-        }
-        if (!known) {
-            const char *nearest = rk_nearest_name(n->key, KEYS, key_name, keys);
+        if (!rk_registry_find(&rk_study_key_registry, n->key)) {
+            const char *nearest = rk_registry_nearest(&rk_study_key_registry, n->key);
+            char known[160];
+            list_keys(known, sizeof known);
             return rk_yaml_wrong(tree, n->key_place, err, "a study has no key '%.64s'%s", n->key,
-                                 rk_hint_of(nearest, "; it may have study, case, seed, replicas, "
-                                                     "base, points, sweep, analyses, include, "
-                                                     "keep, until, retry; parameters of the "
-                                                     "case stand under base")
-                                     .text);
+                                 rk_hint_of(nearest, known).text);
         }
     }
     return RK_OK;

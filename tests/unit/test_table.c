@@ -73,7 +73,7 @@ struct wrong {
 };
 
 static const struct wrong wrongs[] = {
-    {"", NULL, NULL, ":1:1", "no rows"},
+    {"", NULL, NULL, ":1:1", "the file is empty"},
     {"# only a comment\n", NULL, NULL, ":2:1", "no rows"},
     {"height\n", NULL, NULL, ":2:1", "no rows"},
     {"t,height\n0,5\n", NULL, NULL, ":1:1", "t, height"},
