@@ -98,8 +98,8 @@ static enum rk_status renew_arrays(struct rk_scene *scene, size_t capacity, stru
     return rk_fields_resize(scene, &rk_contact_fields, capacity, err);
 }
 
-static struct rk_close stretch(const struct rk_close *all, size_t at) {
-    struct rk_close part = *all;
+struct rk_close rk_close_from(const struct rk_close *close, size_t at) {
+    struct rk_close part = *close;
     part.first += at;
     part.second += at;
     part.pair = part.pair ? part.pair + at : NULL;
@@ -132,7 +132,7 @@ enum rk_status rk_close_reserve(struct rk_scene *scene, struct rk_error *err) {
     }
     for (size_t t = 0; status == RK_OK && t < scene->share_count; t++) {
         struct rk_share *share = &scene->shares[t];
-        share->close = stretch(&scene->close, at);
+        share->close = rk_close_from(&scene->close, at);
         share->close.last = RK_ROW_WIDTH * share->end;
         at += room_of(share);
     }
@@ -218,29 +218,33 @@ void rk_close_pick_own(struct rk_scene *scene, size_t share) {
 
 /* ---- Looking --------------------------------------------------------------------------------- */
 
+/* Those of one share behind `count` others. */
+static size_t gather(const double *motion, const struct rk_close close, const struct rk_touching t,
+                     size_t count) {
+    for (size_t c = close.own; c < close.end; c++) {
+        const double *one = motion + close.first[c], *other = motion + close.second[c]; /* rows */
+        double dx = other[0] - one[0], dy = other[1] - one[1];
+        dx += close.shift ? close.shift[c] : 0;
+        double d2 = dx * dx + dy * dy, reach = close.reach[c];
+        t.first[count] = close.first[c] / RK_ROW_WIDTH;
+        t.second[count] = close.second[c] / RK_ROW_WIDTH;
+        t.dx[count] = dx;
+        t.dy[count] = dy;
+        t.d2[count] = d2;
+        for (int h = 0; h < RK_HISTORIES; h++) {
+            if (t.history[h]) {
+                t.history[h][count] = close.history[h][c];
+            }
+        }
+        count += d2 < reach * reach;
+    }
+    return count;
+}
+
 void rk_close_gather(struct rk_scene *scene) {
-    const struct rk_grains *g = &scene->grains;
-    struct rk_touching *t = &scene->touching;
     size_t count = 0;
     for (size_t s = 0; s < scene->share_count; s++) {
-        const struct rk_close *close = &scene->shares[s].close;
-        for (size_t c = close->own; c < close->end; c++) {
-            const double *one = g->motion + close->first[c];
-            const double *other = g->motion + close->second[c];
-            double dx = other[0] - one[0], dy = other[1] - one[1];
-            dx += close->shift ? close->shift[c] : 0;
-            t->first[count] = close->first[c] / RK_ROW_WIDTH;
-            t->second[count] = close->second[c] / RK_ROW_WIDTH;
-            t->dx[count] = dx;
-            t->dy[count] = dy;
-            t->d2[count] = dx * dx + dy * dy;
-            for (int h = 0; h < RK_HISTORIES; h++) {
-                if (t->history[h]) {
-                    t->history[h][count] = close->history[h][c];
-                }
-            }
-            count += t->d2[count] < close->reach[c] * close->reach[c];
-        }
+        count = gather(scene->grains.motion, scene->shares[s].close, scene->touching, count);
     }
-    t->count = count;
+    scene->touching.count = count;
 }

@@ -24,6 +24,9 @@ void rk_close_free(struct rk_scene *scene);
 /* Are the close pairs still all that can touch? */
 bool rk_close_holds(const struct rk_scene *scene);
 
+/* The same pairs from place `at` on. */
+struct rk_close rk_close_from(const struct rk_close *close, size_t at);
+
 /* Picking anew, in three parts for each share; each part after all shares' part before it:
  * what contacts remember returns to the pairs; ghosts; the share's own. */
 void rk_close_return(struct rk_scene *scene, size_t share);

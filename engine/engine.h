@@ -216,7 +216,8 @@ struct rk_profile {
     uint64_t close;                 /* close pairs, summed over steps */
     uint64_t contacts;              /* touching pairs, summed over steps */
 };
-/* A clock to time the phases with; NULL (the default) for none. */
+/* A clock to time the phases with; NULL (the default) for none. With one, grains are always moved
+ * in a pass of their own, so that it can be told from the forces: that takes longer. */
 void rk_scene_set_clock(struct rk_scene *scene, uint64_t (*now)(void));
 struct rk_profile rk_scene_profile(const struct rk_scene *scene);
 size_t rk_scene_memory(const struct rk_scene *scene); /* bytes held */

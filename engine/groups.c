@@ -122,21 +122,30 @@ static void place(struct rk_scene *scene, size_t i, double move[2]) {
     const struct rk_pose *pose = &mover->pose;
     const double period = scene->spec.period_x;
     double arm[2], x = g->home_x[i] + pose->shift[0], y = g->home_y[i] + pose->shift[1];
+    double *motion = rk_grain_motion(g, i);
+    const double was[2] = {scene->under_way ? motion[0] : g->x[i],
+                           scene->under_way ? motion[1] : g->y[i]};
     arm_of(g, mover, i, arm);
     if (pose->angle != 0) {
         x = mover->pivot[0] + arm[0] + pose->shift[0];
         y = mover->pivot[1] + arm[1] + pose->shift[1];
     }
     if (period > 0) { /* the image next to where it was: neighbours know it there */
-        x += period * floor((g->x[i] - x) / period + 0.5);
+        x += period * floor((was[0] - x) / period + 0.5);
     }
-    move[0] = x - g->x[i];
-    move[1] = y - g->y[i];
+    move[0] = x - was[0];
+    move[1] = y - was[1];
     /* -0 becomes 0, as the corrector makes it: the same bytes before and after. */
     g->x[i] = x + 0.0;
     g->y[i] = y + 0.0;
     g->vx[i] = pose->velocity[0] - pose->turn * arm[1] + 0.0;
     g->vy[i] = pose->velocity[1] + pose->turn * arm[0] + 0.0;
+    if (scene->under_way) {
+        motion[0] = g->x[i];
+        motion[1] = g->y[i];
+        motion[2] = g->vx[i];
+        motion[3] = g->vy[i];
+    }
     if (g->omega) {
         g->angle[i] = g->home_angle[i] + pose->angle + 0.0;
         g->omega[i] = pose->turn + 0.0;

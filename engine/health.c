@@ -75,7 +75,7 @@ static enum rk_status check_grains(const struct rk_scene *scene, struct rk_error
     const struct rk_grains *g = &scene->grains;
     const double dt = scene->spec.dt, travel = scene->spec.health.travel;
     for (size_t i = 0; i < g->count; i++) {
-        double speed = hypot(g->vx[i], g->vy[i]);
+        double speed = sqrt(g->vx[i] * g->vx[i] + g->vy[i] * g->vy[i]);
         double spin = scene->has[RK_IF_ROTATES] ? fabs(g->omega[i]) : 0;
         double sane = g->x[i] + g->y[i] + speed + spin;
         if (!isfinite(sane)) {
@@ -100,11 +100,11 @@ static enum rk_status check_overlaps(const struct rk_scene *scene, struct rk_err
     const double limit = scene->spec.health.overlap;
     for (size_t c = 0; c < t->count; c++) {
         double a = g->radius[t->first[c]], b = g->radius[t->second[c]];
-        double share = (a + b - sqrt(t->d2[c])) / (a < b ? a : b);
-        if (share > limit) {
+        double overlap = a + b - sqrt(t->d2[c]), smaller = a < b ? a : b;
+        if (overlap > limit * smaller) {
             return nonsense(scene, t->first[c], err,
-                            "overlaps another grain, as a share of the smaller radius", share,
-                            limit);
+                            "overlaps another grain, as a share of the smaller radius",
+                            overlap / smaller, limit);
         }
     }
     const struct rk_wall_touching *wt = &scene->wall_touching;
@@ -135,9 +135,9 @@ static double farthest(const struct rk_scene *scene, const struct rk_bounds *mov
     return hypot(span[0], span[1]);
 }
 
-bool rk_health_due(const struct rk_scene *scene, const struct rk_bounds *move) {
+bool rk_health_due(const struct rk_scene *scene, uint64_t steps, const struct rk_bounds *move) {
     const struct rk_health_spec *health = &scene->spec.health;
-    if (scene->steps % health->every == 0) {
+    if (steps % health->every == 0) {
         return true;
     }
     double radius = scene->neighbours.smallest, far = farthest(scene, move);
@@ -148,7 +148,7 @@ bool rk_health_due(const struct rk_scene *scene, const struct rk_bounds *move) {
     while (interval > 1 && (double)interval * far > 0.5 * radius) {
         interval /= 2;
     }
-    return interval < health->every && scene->steps % interval == 0;
+    return interval < health->every && steps % interval == 0;
 }
 
 static enum rk_status check_lids(const struct rk_scene *scene, struct rk_error *err) {

@@ -11,6 +11,6 @@ enum rk_status rk_health_check(const struct rk_scene *scene, struct rk_error *er
  * while something moves farther than health.travel in one step; and else as often as it takes for
  * nothing to move by more than half the smallest radius, against anything else, between two
  * checks. It looks at this step alone, so a resumed run checks at the same steps. */
-bool rk_health_due(const struct rk_scene *scene, const struct rk_bounds *move);
+bool rk_health_due(const struct rk_scene *scene, uint64_t steps, const struct rk_bounds *move);
 
 #endif

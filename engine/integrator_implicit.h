@@ -81,8 +81,8 @@ static void implicit_ease(struct rk_grains *grains, const struct rk_close *close
         }
     }
     for (size_t i = begin; i < end; i += LANES) {
-        lanes trace, c2, s2;
-        lanes_load_rows(spread + RK_ROW_WIDTH * i, &trace, &c2, &s2);
+        lanes trace, c2, s2, unused;
+        lanes_load_rows(spread + RK_ROW_WIDTH * i, &trace, &c2, &s2, &unused);
         lanes largest = 0.5 * (trace + lanes_root(c2 * c2 + s2 * s2));
         lanes_store(grains->ease + i,
                     lanes_larger(largest, lanes_all(1)) * lanes_load(grains->inverse_mass + i));

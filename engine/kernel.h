@@ -17,6 +17,38 @@
 #include "engine/integrator.h"
 #include "engine/scene.h"
 
+#include <math.h>
+
+/* Bounds of moves as the loops widen them: in pairs x, y, as many as a vector may hold. */
+struct rk_moves {
+    double least[RK_BLOCK], most[RK_BLOCK];
+};
+
+static inline struct rk_moves rk_moves_none(void) {
+    struct rk_moves moves;
+    for (int l = 0; l < RK_BLOCK; l++) {
+        moves.least[l] = INFINITY;
+        moves.most[l] = -INFINITY;
+    }
+    return moves;
+}
+
+static inline void rk_moves_add(struct rk_moves *moves, const struct rk_bounds *part) {
+    for (int k = 0; k < 2; k++) {
+        moves->least[k] = part->low[k] < moves->least[k] ? part->low[k] : moves->least[k];
+        moves->most[k] = part->high[k] > moves->most[k] ? part->high[k] : moves->most[k];
+    }
+}
+
+static inline struct rk_bounds rk_moves_bounds(const struct rk_moves *moves) {
+    struct rk_bounds all = {{moves->least[0], moves->least[1]}, {moves->most[0], moves->most[1]}};
+    for (int l = 2; l < RK_BLOCK; l += 2) {
+        rk_bounds_join(&all, &(struct rk_bounds){{moves->least[l], moves->least[l + 1]},
+                                                 {moves->most[l], moves->most[l + 1]}});
+    }
+    return all;
+}
+
 typedef void rk_push(struct rk_grains *grains, const struct rk_contact_law *law,
                      struct rk_close *close);
 typedef void rk_press(struct rk_grains *grains, const struct rk_contact_law *law,
@@ -27,13 +59,15 @@ struct rk_kernel {
     bool (*usable)(void); /* on this processor */
 
     /* Predict grains begin to end (begin a multiple of RK_BLOCK); `moved` gets the bounds of this
-     * step's moves. What the forces begin with is laid out: grains->motion, and the weights in
-     * grains->force, to which the contacts are added. */
+     * step's moves. What the forces begin with is laid out: grains->motion, where places and
+     * velocities stay until they are corrected, and the weights in grains->force, to which the
+     * contacts are added. */
     void (*predict[RK_SCHEMES])(struct rk_grains *grains, size_t begin, size_t end, double dt,
                                 const double gravity[2], struct rk_bounds *moved);
 
-    /* That layout alone, for places and velocities as they are. */
+    /* That layout alone, for places and velocities as they are; the weights in it alone. */
     void (*ready)(struct rk_grains *grains, size_t begin, size_t end, const double gravity[2]);
+    void (*weigh)(struct rk_grains *grains, size_t begin, size_t end, const double gravity[2]);
 
     /* The close ones among pairs begin to end, with what they remember, to close's places from c
      * on; what the others remember is forgotten. Gives the place behind the last one. */
@@ -60,12 +94,21 @@ struct rk_kernel {
     void (*correct[RK_SCHEMES])(struct rk_grains *grains, size_t begin, size_t end, double dt,
                                 struct rk_bounds *moved);
 
-    /* Correct and predict the next step in one pass; NULL for a scheme without that. */
-    void (*advance[RK_SCHEMES])(struct rk_grains *grains, size_t begin, size_t end, double dt,
-                                const double gravity[2], struct rk_bounds *moved);
+    /* Correct and predict the next step in one pass, in the layout alone: grains->x, y, vx, vy stay
+     * as they are; and so do all grains of a block of RK_BLOCK that is `late`, unless that is NULL.
+     * `moves` is widened. NULL for a scheme without that. */
+    void (*advance[RK_SCHEMES])(struct rk_grains *grains, size_t begin, size_t end,
+                                const uint8_t *late, double dt, const double gravity[2],
+                                struct rk_moves *moves);
 };
 
 extern const struct rk_kernel rk_kernel_portable, rk_kernel_avx2, rk_kernel_avx512;
+
+/* Its loop over close pairs for a law. */
+static inline rk_push *rk_kernel_push(const struct rk_kernel *kernel,
+                                      const struct rk_contact_law *law) {
+    return kernel->push[law->implicit][law->normal][law->tangent][law->rolls][law->materials > 1];
+}
 
 /* The kernel asked for, or the widest usable one for NULL; NULL if it cannot run here. */
 const struct rk_kernel *rk_kernel_choose(const struct rk_piece *piece);

@@ -60,6 +60,7 @@ const struct rk_kernel KERNEL_TABLE = {
     .usable = KERNEL_USABLE,
     .predict = {[RK_SCHEME_VERLET] = predict, [RK_SCHEME_GEAR5] = gear_predict},
     .ready = ready,
+    .weigh = weigh,
     .pick = pick,
     .pick_ghosts = pick_ghosts,
     .ease = implicit_ease,

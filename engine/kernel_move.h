@@ -55,8 +55,8 @@ static INLINE void course_correct(struct course *c, lanes b, double half) {
     c->a = b;
 }
 
-static INLINE void correct_some(double *v, double *a, lanes b, double half) {
-    struct course c = {b, lanes_load(v), lanes_load(a)};
+static INLINE void correct_some(double *v, double *a, lanes predicted, lanes b, double half) {
+    struct course c = {b, predicted, lanes_load(a)};
     course_correct(&c, b, half);
     lanes_store(v, c.v);
     lanes_store(a, c.a);
@@ -74,14 +74,16 @@ static void pad(struct rk_grains *grains) {
     }
 }
 
-/* What the forces of a step begin with: places and velocities as rows, for loops that take them out
- * of order, and the weights. Sums that begin with + 0 never become - 0, so that a force of 0 or -
- * 0, which a pair that does not touch adds, cannot be seen in them. */
-static INLINE void lay_out(struct rk_grains *grains, size_t i, bool turns, const double gravity[2],
-                           lanes x, lanes y, lanes vx, lanes vy) {
+/* Sums of forces begin with the weight, and no sum that begins with + 0 ever becomes - 0: so a
+ * force of 0 or - 0, which a pair that does not touch adds, cannot be seen in them. */
+static INLINE lanes weight(lanes mass, lanes gravity) {
+    return mass * gravity + lanes_all(0);
+}
+
+static INLINE void weigh_some(struct rk_grains *grains, size_t i, bool turns,
+                              const double gravity[2]) {
     const lanes mass = lanes_load(grains->mass + i), none = lanes_all(0);
-    const lanes fx = mass * gravity[0] + none, fy = mass * gravity[1] + none;
-    lanes_store_rows(grains->motion + RK_ROW_WIDTH * i, x, y, vx, vy);
+    const lanes fx = weight(mass, lanes_all(gravity[0])), fy = weight(mass, lanes_all(gravity[1]));
     if (turns) {
         lanes_store_rows(grains->force + RK_ROW_WIDTH * i, fx, fy, none, none);
     } else {
@@ -89,19 +91,27 @@ static INLINE void lay_out(struct rk_grains *grains, size_t i, bool turns, const
     }
 }
 
-static void ready(struct rk_grains *grains, size_t begin, size_t end, const double gravity[2]) {
-    const bool turns = grains->omega;
+static void weigh(struct rk_grains *grains, size_t begin, size_t end, const double gravity[2]) {
     for (size_t i = begin; i < end; i += LANES) {
-        lay_out(grains, i, turns, gravity, lanes_load(grains->x + i), lanes_load(grains->y + i),
-                lanes_load(grains->vx + i), lanes_load(grains->vy + i));
+        weigh_some(grains, i, grains->omega, gravity);
+    }
+}
+
+static void ready(struct rk_grains *grains, size_t begin, size_t end, const double gravity[2]) {
+    weigh(grains, begin, end, gravity);
+    for (size_t i = begin; i < end; i += LANES) {
+        lanes_store_rows(grains->motion + RK_ROW_WIDTH * i, lanes_load(grains->x + i),
+                         lanes_load(grains->y + i), lanes_load(grains->vx + i),
+                         lanes_load(grains->vy + i));
     }
 }
 
 /* fx, fy and, if they turn, the torque of some grains; otherwise 0. */
 static INLINE void sums_load(const struct rk_grains *grains, size_t i, bool turns, lanes sum[3]) {
+    lanes unused;
     sum[2] = lanes_all(0);
     if (turns) {
-        lanes_load_rows(grains->force + RK_ROW_WIDTH * i, &sum[0], &sum[1], &sum[2]);
+        lanes_load_rows(grains->force + RK_ROW_WIDTH * i, &sum[0], &sum[1], &sum[2], &unused);
     } else {
         lanes_load_pairs(grains->force + RK_PAIR_WIDTH * i, &sum[0], &sum[1]);
     }
@@ -109,46 +119,28 @@ static INLINE void sums_load(const struct rk_grains *grains, size_t i, bool turn
 
 #include "engine/integrator_gear5.h"
 
-/* One component of some grains: what memory holds of it. */
-struct track {
-    double *r, *v, *a;
-};
-
-/* Predict from a corrected course, which is stored. */
-static INLINE lanes take_course(const struct track *t, size_t i, struct course *c, double dt,
-                                double half_dt2) {
-    lanes move = course_predict(c, dt, half_dt2);
-    lanes_store(t->r + i, c->r);
-    lanes_store(t->v + i, c->v);
-    return move;
+/* Turning, which the forces take from its arrays. */
+static INLINE void predict_turn(struct rk_grains *grains, size_t i, struct course turn, double dt) {
+    course_predict(&turn, dt, 0.5 * dt * dt);
+    lanes_store(grains->angle + i, turn.r);
+    lanes_store(grains->omega + i, turn.v);
 }
 
-static INLINE void predict_some(struct rk_grains *grains, size_t i, bool turns, bool corrects,
-                                double dt, const double gravity[2], struct span span[2]) {
-    const struct track tracks[3] = {{grains->x, grains->vx, grains->ax},
-                                    {grains->y, grains->vy, grains->ay},
-                                    {grains->angle, grains->omega, grains->alpha}};
-    const size_t count = turns ? 3 : 2;
-    const double half = 0.5 * dt, half_dt2 = 0.5 * dt * dt;
-    struct course course[3];
-    lanes move[3], force[3], inverse_mass = lanes_all(0);
-    if (corrects) {
-        sums_load(grains, i, turns, force);
-        inverse_mass = lanes_load(grains->inverse_mass + i);
+static INLINE struct course turn_load(const struct rk_grains *grains, size_t i) {
+    return course_load(grains->angle + i, grains->omega + i, grains->alpha + i);
+}
+
+static INLINE void predict_some(struct rk_grains *grains, size_t i, bool turns, double dt,
+                                const double gravity[2], struct span span[2]) {
+    struct course x = course_load(grains->x + i, grains->vx + i, grains->ax + i);
+    struct course y = course_load(grains->y + i, grains->vy + i, grains->ay + i);
+    widen(&span[0], course_predict(&x, dt, 0.5 * dt * dt));
+    widen(&span[1], course_predict(&y, dt, 0.5 * dt * dt));
+    if (turns) {
+        predict_turn(grains, i, turn_load(grains, i), dt);
     }
-    for (size_t k = 0; k < count; k++) {
-        const struct track *t = &tracks[k];
-        course[k] = course_load(t->r + i, t->v + i, t->a + i);
-        if (corrects) {
-            lanes inverse = k < 2 ? inverse_mass : lanes_load(grains->inverse_inertia + i);
-            course_correct(&course[k], force[k] * inverse, half);
-            lanes_store(t->a + i, course[k].a);
-        }
-        move[k] = take_course(t, i, &course[k], dt, half_dt2);
-    }
-    widen(&span[0], move[0]);
-    widen(&span[1], move[1]);
-    lay_out(grains, i, turns, gravity, course[0].r, course[1].r, course[0].v, course[1].v);
+    weigh_some(grains, i, turns, gravity);
+    lanes_store_rows(grains->motion + RK_ROW_WIDTH * i, x.r, y.r, x.v, y.v);
 }
 
 static void predict(struct rk_grains *grains, size_t begin, size_t end, double dt,
@@ -159,7 +151,7 @@ static void predict(struct rk_grains *grains, size_t begin, size_t end, double d
         pad(grains);
     }
     for (size_t i = begin; i < end; i += LANES) {
-        predict_some(grains, i, turns, false, dt, gravity, span);
+        predict_some(grains, i, turns, dt, gravity, span);
     }
     set_bounds(moved, &span[0], &span[1]);
 }
@@ -170,37 +162,94 @@ static void correct(struct rk_grains *grains, size_t begin, size_t end, double d
     const double half = 0.5 * dt;
     const bool turns = grains->omega;
     for (size_t i = begin; i < end; i += LANES) {
-        lanes force[3], inverse_mass = lanes_load(grains->inverse_mass + i);
+        lanes x, y, vx, vy, force[3], inverse_mass = lanes_load(grains->inverse_mass + i);
+        lanes_load_rows(grains->motion + RK_ROW_WIDTH * i, &x, &y, &vx, &vy);
         sums_load(grains, i, turns, force);
-        correct_some(grains->vx + i, grains->ax + i, force[0] * inverse_mass, half);
-        correct_some(grains->vy + i, grains->ay + i, force[1] * inverse_mass, half);
+        lanes_store(grains->x + i, x);
+        lanes_store(grains->y + i, y);
+        correct_some(grains->vx + i, grains->ax + i, vx, force[0] * inverse_mass, half);
+        correct_some(grains->vy + i, grains->ay + i, vy, force[1] * inverse_mass, half);
         if (turns) {
-            correct_some(grains->omega + i, grains->alpha + i,
+            correct_some(grains->omega + i, grains->alpha + i, lanes_load(grains->omega + i),
                          force[2] * lanes_load(grains->inverse_inertia + i), half);
         }
     }
 }
 
-/* The last few grains, which fill no vector, are corrected before the places behind them are
- * padded. */
-static void advance(struct rk_grains *grains, size_t begin, size_t end, double dt,
-                    const double gravity[2], struct rk_bounds *moved) {
-    const size_t whole = end - (end - begin) % LANES;
-    struct span span[2] = {no_span(), no_span()};
-    if (grains->omega) {
-        for (size_t i = begin; i < whole; i += LANES) {
-            predict_some(grains, i, true, true, dt, gravity, span);
+static INLINE void advance_turn(struct rk_grains *grains, size_t i, const lanes torques[2],
+                                double dt) {
+    struct course turn = turn_load(grains, i);
+    lanes torque, unused;
+    lanes_unzip(torques[0], torques[1], &torque, &unused);
+    course_correct(&turn, torque * lanes_load(grains->inverse_inertia + i), 0.5 * dt);
+    lanes_store(grains->alpha + i, turn.a);
+    predict_turn(grains, i, turn, dt);
+}
+
+/* Correct and predict, from rows to rows, a pair of numbers for each grain at a time. */
+static INLINE void advance_some(struct rk_grains *grains, size_t i, bool turns, double dt,
+                                lanes gravity, struct span *span) {
+    lanes a[2], inverse_mass[2], mass[2], torques[2], ax, ay;
+    lanes_zip(lanes_load(grains->ax + i), lanes_load(grains->ay + i), &a[0], &a[1]);
+    lanes_twice(lanes_load(grains->inverse_mass + i), &inverse_mass[0], &inverse_mass[1]);
+    lanes_twice(lanes_load(grains->mass + i), &mass[0], &mass[1]);
+    for (size_t h = 0; h < 2; h++) {
+        const size_t first = i + h * LANES / 2;
+        double *motion = grains->motion + RK_ROW_WIDTH * first;
+        double *sums = grains->force + (turns ? RK_ROW_WIDTH : RK_PAIR_WIDTH) * first;
+        struct course c = {.a = a[h]};
+        lanes force;
+        lanes_load_halves(motion, &c.r, &c.v);
+        if (turns) {
+            lanes_load_halves(sums, &force, &torques[h]);
+            lanes_store_halves(sums, weight(mass[h], gravity), lanes_all(0));
+        } else {
+            force = lanes_load(sums);
+            lanes_store(sums, weight(mass[h], gravity));
         }
-    } else {
-        for (size_t i = begin; i < whole; i += LANES) {
-            predict_some(grains, i, false, true, dt, gravity, span);
+        course_correct(&c, force * inverse_mass[h], 0.5 * dt);
+        a[h] = c.a;
+        widen(span, course_predict(&c, dt, 0.5 * dt * dt));
+        lanes_store_halves(motion, c.r, c.v);
+    }
+    lanes_unzip(a[0], a[1], &ax, &ay);
+    lanes_store(grains->ax + i, ax);
+    lanes_store(grains->ay + i, ay);
+    if (turns) {
+        advance_turn(grains, i, torques, dt);
+    }
+}
+
+static INLINE void advance_all(struct rk_grains *grains, size_t begin, size_t end, bool turns,
+                               const uint8_t *late, double dt, const double gravity[2],
+                               struct rk_moves *moves) {
+    struct rk_grains g = *grains; /* nothing that is stored can change these */
+    struct span span = {lanes_load(moves->least), lanes_load(moves->most)};
+    lanes down, unused;
+    lanes_zip(lanes_all(gravity[0]), lanes_all(gravity[1]), &down, &unused);
+    for (size_t i = begin; i < end; i += LANES) {
+        if (!late || !late[i / RK_BLOCK]) {
+            advance_some(&g, i, turns, dt, down, &span);
         }
     }
-    set_bounds(moved, &span[0], &span[1]);
-    if (whole < end) {
+    lanes_store(moves->least, span.least);
+    lanes_store(moves->most, span.most);
+}
+
+/* The last few grains, which fill no vector, are corrected before the places behind them are
+ * padded. */
+static void advance(struct rk_grains *grains, size_t begin, size_t end, const uint8_t *late,
+                    double dt, const double gravity[2], struct rk_moves *moves) {
+    const size_t whole = end - (end - begin) % LANES;
+    if (grains->omega) {
+        advance_all(grains, begin, whole, true, late, dt, gravity, moves);
+    } else {
+        advance_all(grains, begin, whole, false, late, dt, gravity, moves);
+    }
+    if (whole < end && (!late || !late[whole / RK_BLOCK])) {
         struct rk_bounds rest;
         correct(grains, whole, end, dt, &rest);
         predict(grains, whole, end, dt, gravity, &rest);
-        rk_bounds_join(moved, &rest);
+        rk_moves_add(moves, &rest);
     }
 }

@@ -4,7 +4,8 @@
 static inline size_t pick_one(const struct rk_grains *grains, const struct rk_pairs *pairs,
                               double skin, size_t p, const struct rk_close *close, size_t c) {
     uint32_t i = pairs->first[p], j = pairs->second[p];
-    double dx = grains->x[j] - grains->x[i], dy = grains->y[j] - grains->y[i];
+    const double *one = rk_grain_motion(grains, i), *other = rk_grain_motion(grains, j);
+    double dx = other[0] - one[0], dy = other[1] - one[1];
     double reach = pairs->reach[p], far = reach + skin;
     if (pairs->shift) {
         dx += pairs->shift[p];
@@ -44,10 +45,10 @@ static inline size_t pick_eight(const struct rk_grains *grains, const struct rk_
                                 double skin, size_t p, const struct rk_close *close, size_t c) {
     __m256i i = _mm256_loadu_si256((const __m256i *)(pairs->first + p));
     __m256i j = _mm256_loadu_si256((const __m256i *)(pairs->second + p));
-    lanes dx =
-        lanes_gather(grains->x, pairs->second + p) - lanes_gather(grains->x, pairs->first + p);
-    lanes dy =
-        lanes_gather(grains->y, pairs->second + p) - lanes_gather(grains->y, pairs->first + p);
+    lanes dx = lanes_gather_column(grains->motion, pairs->second + p) -
+               lanes_gather_column(grains->motion, pairs->first + p);
+    lanes dy = lanes_gather_column(grains->motion + 1, pairs->second + p) -
+               lanes_gather_column(grains->motion + 1, pairs->first + p);
     lanes reach = lanes_load(pairs->reach + p), far = reach + skin;
     lanes shift = pairs->shift ? lanes_load(pairs->shift + p) : lanes_all(0);
     if (pairs->shift) {

@@ -263,8 +263,8 @@ static INLINE void press(const struct flavour f, struct rk_grains *grains,
         uint32_t index[LANES];
         struct meeting m = {.rough = lanes_load(touching->rough + c)};
         lanes nx = lanes_load(touching->nx + c), ny = lanes_load(touching->ny + c);
-        lanes ux = lanes_load(touching->vx + c) - lanes_gather(grains->vx, i);
-        lanes uy = lanes_load(touching->vy + c) - lanes_gather(grains->vy, i);
+        lanes ux = lanes_load(touching->vx + c) - lanes_gather_column(grains->motion + 2, i);
+        lanes uy = lanes_load(touching->vy + c) - lanes_gather_column(grains->motion + 3, i);
         lanes radius = lanes_gather(grains->radius, i), fn = none, ft = none, moment = none;
         m.overlap = lanes_load(touching->overlap + c);
         m.rate = -(ux * nx + uy * ny);

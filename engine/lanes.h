@@ -64,6 +64,19 @@ LANES_INLINE lanes lanes_gather_beside(const double *at, const uint32_t *row) {
 #endif
 }
 
+/* at[4 grain[0]], at[4 grain[1]], ...: a column of the rows of four of these grains. */
+LANES_INLINE lanes lanes_gather_column(const double *at, const uint32_t *grain) {
+#ifdef RK_LANES_512
+    const __m256i row = _mm256_slli_epi32(_mm256_loadu_si256((const __m256i *)grain), 2);
+    return (lanes)_mm512_i32gather_pd(row, at, 8);
+#elif defined(RK_LANES_256)
+    return (lanes){at[4 * (size_t)grain[0]], at[4 * (size_t)grain[1]], at[4 * (size_t)grain[2]],
+                   at[4 * (size_t)grain[3]]};
+#else
+    return (lanes){at[4 * (size_t)grain[0]], at[4 * (size_t)grain[1]]};
+#endif
+}
+
 LANES_INLINE lanes lanes_root(lanes a) {
 #if defined(RK_LANES_512)
     return (lanes)_mm512_sqrt_pd((__m512d)a);
@@ -195,15 +208,14 @@ LANES_INLINE void lanes_row_differences(const double *at, const uint32_t *from, 
     lanes_columns(r, a, b, c, d);
 }
 
-/* The first three of the four columns of consecutive rows of four. */
-LANES_INLINE void lanes_load_rows(const double *at, lanes *a, lanes *b, lanes *c) {
+/* The columns of consecutive rows of four. */
+LANES_INLINE void lanes_load_rows(const double *at, lanes *a, lanes *b, lanes *c, lanes *d) {
     static const uint32_t in_order[] = {0, 4, 8, 12, 16, 20, 24, 28};
     lanes_rows r[LANES_ROWS];
-    lanes d;
     for (int k = 0; k < LANES_ROWS; k++) {
         r[k] = ROWS(at, in_order, k);
     }
-    lanes_columns(r, a, b, c, &d);
+    lanes_columns(r, a, b, c, d);
 }
 #undef ROWS
 
@@ -242,25 +254,63 @@ LANES_INLINE void lanes_store_rows(double *at, lanes a, lanes b, lanes c, lanes 
 
 typedef long long lanes_index __attribute__((vector_size(8 * LANES)));
 
-/* Consecutive pairs at[2 l], at[2 l + 1] = a[l], b[l], and back. */
-LANES_INLINE void lanes_store_pairs(double *at, lanes a, lanes b) {
-    lanes_index low, high;
+/* a[0], b[0], a[1], b[1], ... and back. */
+LANES_INLINE void lanes_zip(lanes a, lanes b, lanes *low, lanes *high) {
+    lanes_index first;
     for (int l = 0; l < LANES; l++) {
-        low[l] = l / 2 + l % 2 * LANES;
-        high[l] = low[l] + LANES / 2;
+        first[l] = l / 2 + l % 2 * LANES;
     }
-    lanes_store(at, __builtin_shuffle(a, b, low));
-    lanes_store(at + LANES, __builtin_shuffle(a, b, high));
+    *low = __builtin_shuffle(a, b, first);
+    *high = __builtin_shuffle(a, b, first + LANES / 2);
 }
 
-LANES_INLINE void lanes_load_pairs(const double *at, lanes *a, lanes *b) {
-    lanes low = lanes_load(at), high = lanes_load(at + LANES);
+LANES_INLINE void lanes_unzip(lanes low, lanes high, lanes *a, lanes *b) {
     lanes_index even;
     for (int l = 0; l < LANES; l++) {
         even[l] = 2 * l;
     }
     *a = __builtin_shuffle(low, high, even);
     *b = __builtin_shuffle(low, high, even + 1);
+}
+
+/* a[0], a[0], a[1], a[1], ... */
+LANES_INLINE void lanes_twice(lanes a, lanes *low, lanes *high) {
+    lanes_zip(a, a, low, high);
+}
+
+/* Consecutive pairs at[2 l], at[2 l + 1] = a[l], b[l], and back. */
+LANES_INLINE void lanes_store_pairs(double *at, lanes a, lanes b) {
+    lanes low, high;
+    lanes_zip(a, b, &low, &high);
+    lanes_store(at, low);
+    lanes_store(at + LANES, high);
+}
+
+LANES_INLINE void lanes_load_pairs(const double *at, lanes *a, lanes *b) {
+    lanes_unzip(lanes_load(at), lanes_load(at + LANES), a, b);
+}
+
+/* Consecutive rows of four, half as many as there are lanes, as two pairs each: the first two
+ * numbers of every row in `front`, the last two in `back`. And back. */
+LANES_INLINE void lanes_load_halves(const double *at, lanes *front, lanes *back) {
+    lanes low = lanes_load(at), high = lanes_load(at + LANES);
+    lanes_index first;
+    for (int l = 0; l < LANES; l++) {
+        first[l] = l / 2 * 4 + l % 2;
+    }
+    *front = __builtin_shuffle(low, high, first);
+    *back = __builtin_shuffle(low, high, first + 2);
+}
+
+LANES_INLINE void lanes_store_halves(double *at, lanes front, lanes back) {
+    lanes_index low, high;
+    for (int l = 0; l < LANES; l++) {
+        int h = l + LANES;
+        low[l] = l / 4 * 2 + l % 2 + l / 2 % 2 * LANES;
+        high[l] = h / 4 * 2 + h % 2 + h / 2 % 2 * LANES;
+    }
+    lanes_store(at, __builtin_shuffle(front, back, low));
+    lanes_store(at + LANES, __builtin_shuffle(front, back, high));
 }
 
 /* Rows of two, a[l] and b[l] at at + lanes_row_of_two(l): not in order, but in two stores. */

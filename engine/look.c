@@ -261,7 +261,7 @@ size_t rk_scene_memory(const struct rk_scene *scene) {
     size_t touch = 3 * index + (8 + RK_HISTORIES + RK_ROW_WIDTH) * real;
     size_t bytes = sizeof *scene + grain * scene->grains.capacity + pair * scene->pairs.capacity +
                    close * scene->close_capacity + near->large_capacity * index +
-                   2 * near->cell_capacity * index +
+                   2 * near->cell_capacity * index + scene->grains.capacity / RK_BLOCK + 1 +
                    scene->wall_touching.capacity * (touch + index) +
                    scene->ledger.count * 9 * real + scene->spec.walls * sizeof *scene->walls +
                    scene->spec.groups * sizeof *scene->groups;

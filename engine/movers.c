@@ -109,7 +109,8 @@ static double mean_kinetic(const struct rk_scene *scene) {
     size_t count = 0;
     for (size_t i = 0; i < g->count; i++) {
         if (!rk_grain_carried(g, i)) {
-            sum += 0.5 * g->mass[i] * (g->vx[i] * g->vx[i] + g->vy[i] * g->vy[i]);
+            const double *v = rk_grain_motion(g, i) + 2; /* a step is under way */
+            sum += 0.5 * g->mass[i] * (v[0] * v[0] + v[1] * v[1]);
             sum += g->omega ? 0.5 * rk_grain_inertia(scene, i) * g->omega[i] * g->omega[i] : 0;
             count++;
         }

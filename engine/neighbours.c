@@ -277,6 +277,7 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
                                      .third = period > 0 ? period / 3 : INFINITY,
                                      .skin = method_of(scene)->list ? list_skin(scene) : INFINITY};
     size_t count;
+    rk_shares_unfold(scene);
     enum rk_status status = method_of(scene)->cells ? rk_cells_fill(scene, &search, err) : RK_OK;
     if (status) {
         return status;
@@ -286,7 +287,10 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
     if (status) {
         return status;
     }
-    rk_shares_gather(scene); /* contacts of the last step, whose history is carried over */
+    if (scene->has[RK_IF_REMEMBERS]) {
+        rk_shares_gather(scene); /* contacts of the last step, whose history is carried over */
+    }
+    scene->scattered = false;
     status = reserve_pairs(scene, count, err);
     if (status) {
         return status;

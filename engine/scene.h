@@ -57,10 +57,16 @@ struct rk_grains {
     double *density;    /* m = density R^2 (disc) or R^3 (sphere); likewise */
     double *home_x, *home_y, *home_angle; /* where the group's frame has it */
     double *force;                        /* [capacity][rk_force_width()], scratch of a step */
-    double *motion; /* [capacity][RK_ROW_WIDTH], what the forces were evaluated with */
+    double *motion; /* [capacity][RK_ROW_WIDTH], what the forces are evaluated with: while a step is
+                     * under way places and velocities are here, and x, y, vx, vy may be old */
     double *ease;   /* how easily its contacts move a grain, scratch of an implicit step; or NULL */
     double *spread; /* [capacity][RK_ROW_WIDTH], scratch for that */
 };
+
+/* x, y, vx, vy of grain i, as the forces have them. */
+static inline double *rk_grain_motion(const struct rk_grains *grains, size_t i) {
+    return grains->motion + RK_ROW_WIDTH * i;
+}
 
 /* Of a row of grains->force. */
 static inline size_t rk_force_width(const struct rk_grains *grains) {
@@ -256,7 +262,8 @@ struct rk_scene {
     bool has[RK_NEEDS];
     struct rk_material materials[RK_MATERIALS_MAX]; /* material 0 is spec.contact's */
     size_t material_count;
-    bool ready; /* sizes that depend on the radii are known, tags are indexed */
+    bool ready;     /* sizes that depend on the radii are known, tags are indexed */
+    bool under_way; /* a step has been predicted and not yet corrected: see grains.motion */
     uint64_t steps;
     uint64_t primed;    /* 1 once accelerations belong to the positions */
     uint32_t *index_of; /* [tag] the grain's place in the order; NULL before the first step */
@@ -282,6 +289,7 @@ struct rk_scene {
     uint32_t *growing; /* places in the order of all grains that grow, ascending */
     size_t growing_count;
     double *swelling; /* [grain] scratch: rate of the radius, of those that grow */
+    uint8_t *late;    /* [block of RK_BLOCK grains] 1 while it waits: engine/sweep.h */
     struct rk_lids lids;
     struct rk_ledger_state ledger;
     double gravity[2]; /* of the present moment */

@@ -122,6 +122,7 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
         scene->grains.spread = rk_array_create(n + RK_BLOCK, RK_ROW_WIDTH * sizeof(double));
         eased = scene->grains.ease && scene->grains.spread;
     }
+    scene->late = rk_array_create(n / RK_BLOCK + 1, sizeof *scene->late);
     near->cell_of = rk_array_create(n, sizeof(uint32_t));
     near->in_cell = rk_array_create(n, sizeof(uint32_t));
     near->row_start = rk_array_create(n + 1, sizeof(uint32_t));
@@ -133,8 +134,8 @@ static enum rk_status allocate(struct rk_scene *scene, struct rk_error *err) {
         status = rk_ledger_create(scene, err);
     }
     if (status == RK_OK &&
-        (!eased || !scene->grains.force || !scene->grains.motion || !near->cell_of ||
-         !near->in_cell || !near->row_start || !scene->walls)) {
+        (!eased || !scene->late || !scene->grains.force || !scene->grains.motion ||
+         !near->cell_of || !near->in_cell || !near->row_start || !scene->walls)) {
         status = rk_fail(err, RK_EMEMORY, "no memory for a scene of %zu grains", n);
     }
     return status;
@@ -262,6 +263,7 @@ void rk_scene_free(struct rk_scene *scene) {
     free(scene->grains.motion);
     free(scene->grains.ease);
     free(scene->grains.spread);
+    free(scene->late);
     free(scene->index_of);
     free(scene);
 }

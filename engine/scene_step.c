@@ -14,6 +14,7 @@
 #include "engine/neighbours.h"
 #include "engine/order.h"
 #include "engine/shares.h"
+#include "engine/sweep.h"
 #include "engine/walls.h"
 
 size_t rk_scene_index(const struct rk_scene *scene, uint32_t tag) {
@@ -47,9 +48,9 @@ static inline uint64_t tick(struct rk_scene *scene, enum rk_phase phase, uint64_
     return now;
 }
 
-/* Forces of the present positions and velocities, summed into grains->force. */
-static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact_law *law,
-                                 struct rk_error *err) {
+/* All that the forces of pairs wait for: lists, and what happens at walls. */
+static enum rk_status prepare_forces(struct rk_scene *scene, const struct rk_contact_law *law,
+                                     struct rk_error *err) {
     uint64_t since = scene->now ? scene->now() : 0;
     if (!rk_neighbours_hold(scene)) {
         enum rk_status status = rk_neighbours_build(scene, err);
@@ -62,27 +63,44 @@ static enum rk_status add_forces(struct rk_scene *scene, const struct rk_contact
         rk_shares_pick(scene);
     }
     since = tick(scene, RK_PHASE_CLOSE, since);
+    if (law->implicit) { /* from the walls that touched a step ago */
+        rk_shares_ease(scene);
+    }
+    enum rk_status status = rk_walls_press(scene, law, err);
+    tick(scene, RK_PHASE_WALLS, since);
+    return status;
+}
+
+static void push(struct rk_scene *scene, const struct rk_contact_law *law) {
+    uint64_t since = scene->now ? scene->now() : 0;
     rk_shares_push(scene, law);
     since = tick(scene, RK_PHASE_PUSH, since);
-    enum rk_status status = rk_walls_push(scene, law, err);
+    rk_walls_give(scene);
     if (scene->has[RK_IF_GROUPS]) {
         rk_groups_gather(scene);
     }
     tick(scene, RK_PHASE_WALLS, since);
+}
+
+static void count_pairs(struct rk_scene *scene) {
     scene->profile.pairs += scene->pairs.count;
     for (size_t t = 0; t < scene->share_count; t++) {
         const struct rk_close *close = &scene->shares[t].close;
         scene->profile.contacts += close->touching;
         scene->profile.close += close->end - close->own;
     }
-    return status;
 }
 
 enum rk_status rk_scene_add_forces(struct rk_scene *scene, double dt, struct rk_error *err) {
     struct rk_contact_law law;
     rk_contact_law_init(&law, &scene->spec, scene->materials, scene->material_count, dt);
     rk_shares_lay_out(scene);
-    return add_forces(scene, &law, err);
+    enum rk_status status = prepare_forces(scene, &law, err);
+    if (status == RK_OK) {
+        push(scene, &law);
+        count_pairs(scene);
+    }
+    return status;
 }
 
 /* Before the very first step: accelerations that belong to the positions. No time passes, so no
@@ -149,22 +167,23 @@ struct progress {
 };
 
 /* Nothing looks at the grains between this step and the next one. */
-static bool goes_on(const struct rk_scene *scene, enum rk_scheme scheme, const struct progress *p) {
+static bool goes_on(const struct rk_scene *scene, enum rk_scheme scheme, uint64_t steps,
+                    const struct progress *p) {
     return scene->kernel->advance[scheme] && p->left > 0 && !scene->has[RK_IF_LEDGER] &&
-           scene->steps % RK_ORDER_EVERY != 0 && !rk_health_due(scene, &p->move);
+           steps % RK_ORDER_EVERY != 0 && !rk_health_due(scene, steps, &p->move);
 }
 
-/* What follows from the time alone. The layout that the predictor made for the forces is renewed
- * where something in it has changed since: places, masses or gravity. */
+/* What follows from the time alone. The weights that the predictor laid out for the forces are
+ * renewed where masses or gravity have changed since. */
 static void pose_next(struct rk_scene *scene) {
     const double before[2] = {scene->gravity[0], scene->gravity[1]};
     rk_scene_pose(scene, (double)(scene->steps + 1) * scene->spec.dt);
     if (scene->has[RK_IF_GROWS]) {
         rk_growth_step(scene);
     }
-    if (scene->has[RK_IF_GROUPS] || scene->has[RK_IF_GROWS] || before[0] != scene->gravity[0] ||
+    if (scene->has[RK_IF_GROWS] || before[0] != scene->gravity[0] ||
         before[1] != scene->gravity[1]) {
-        rk_shares_lay_out(scene);
+        rk_shares_weigh(scene);
     }
 }
 
@@ -203,7 +222,7 @@ static enum rk_status end_step(struct rk_scene *scene, enum rk_scheme scheme, st
         rk_lids_correct(scene, scene->spec.dt);
     }
     scene->steps++;
-    p->ahead = goes_on(scene, scheme, p);
+    p->ahead = goes_on(scene, scheme, scene->steps, p);
     if (p->ahead) {
         p->move = rk_shares_advance(scene, scheme);
         tick(scene, RK_PHASE_MOVE, since);
@@ -219,11 +238,31 @@ static enum rk_status end_step(struct rk_scene *scene, enum rk_scheme scheme, st
         rk_shares_gather(scene);
         rk_ledger_step(scene);
     }
-    if (!rk_health_due(scene, &p->move)) {
+    if (!rk_health_due(scene, scene->steps, &p->move)) {
         return RK_OK;
     }
     rk_shares_gather(scene);
     return rk_health_check(scene, err);
+}
+
+/* One step, or its forces and the beginning of the next one in a single pass. */
+static enum rk_status step(struct rk_scene *scene, const struct rk_contact_law *law,
+                           enum rk_scheme scheme, struct progress *p, struct rk_error *err) {
+    enum rk_status status = begin_step(scene, scheme, p, err);
+    status = status ? status : prepare_forces(scene, law, err);
+    if (status) {
+        return status;
+    }
+    if (rk_sweep_fits(scene, scheme) && goes_on(scene, scheme, scene->steps + 1, p)) {
+        p->move = rk_sweep(scene, law, scheme);
+        p->ahead = true;
+        scene->steps++;
+    } else {
+        push(scene, law);
+        status = end_step(scene, scheme, p, err);
+    }
+    count_pairs(scene);
+    return status;
 }
 
 enum rk_status rk_scene_step(struct rk_scene *scene, uint64_t steps, struct rk_error *err) {
@@ -235,10 +274,9 @@ enum rk_status rk_scene_step(struct rk_scene *scene, uint64_t steps, struct rk_e
     enum rk_status status = scene->ready ? RK_OK : rk_scene_get_ready(scene, err);
     for (uint64_t s = 0; status == RK_OK && s < steps; s++) {
         progress.left = steps - s - 1;
-        status = begin_step(scene, scheme, &progress, err);
-        status = status ? status : add_forces(scene, &law, err);
-        status = status ? status : end_step(scene, scheme, &progress, err);
+        status = step(scene, &law, scheme, &progress, err);
     }
+    rk_shares_unfold(scene); /* after an error a step may still be under way */
     rk_shares_gather(scene);
     return status;
 }

@@ -98,8 +98,7 @@ enum rk_status rk_shares_cut(struct rk_scene *scene, struct rk_error *err) {
     return rk_close_reserve(scene, err);
 }
 
-/* The bounds of all grains' moves from those of the threads', added to those since the build. */
-static struct rk_bounds gather_moves(struct rk_scene *scene) {
+struct rk_bounds rk_shares_note_moves(struct rk_scene *scene) {
     struct rk_bounds most = scene->shares[0].moved;
     if (scene->grains.count == 0) {
         return (struct rk_bounds){{0, 0}, {0, 0}};
@@ -137,7 +136,9 @@ static void move_share(struct rk_scene *scene, size_t t, const void *data) {
     } else if (motion->pass == CORRECT) {
         kernel->correct[motion->scheme](g, begin, end, dt, moved);
     } else {
-        kernel->advance[motion->scheme](g, begin, end, dt, gravity, moved);
+        struct rk_moves moves = rk_moves_none();
+        kernel->advance[motion->scheme](g, begin, end, NULL, dt, gravity, &moves);
+        *moved = rk_moves_bounds(&moves);
     }
 }
 
@@ -145,7 +146,8 @@ static struct rk_bounds move(struct rk_scene *scene, enum pass pass, enum rk_sch
                              double dt) {
     const struct motion motion = {pass, scheme, dt};
     rk_shares_run(scene, (rk_share_work *const[]){move_share}, 1, &motion);
-    return gather_moves(scene);
+    scene->under_way = pass != CORRECT;
+    return rk_shares_note_moves(scene);
 }
 
 struct rk_bounds rk_shares_predict(struct rk_scene *scene, enum rk_scheme scheme) {
@@ -168,6 +170,34 @@ static void lay_out(struct rk_scene *scene, size_t t, const void *data) {
 
 void rk_shares_lay_out(struct rk_scene *scene) {
     rk_shares_run(scene, (rk_share_work *const[]){lay_out}, 1, NULL);
+}
+
+static void weigh(struct rk_scene *scene, size_t t, const void *data) {
+    (void)data;
+    scene->kernel->weigh(&scene->grains, moved_from(scene, t), moved_from(scene, t + 1),
+                         scene->gravity);
+}
+
+void rk_shares_weigh(struct rk_scene *scene) {
+    rk_shares_run(scene, (rk_share_work *const[]){weigh}, 1, NULL);
+}
+
+static void unfold(struct rk_scene *scene, size_t t, const void *data) {
+    struct rk_grains *g = &scene->grains;
+    (void)data;
+    for (size_t i = moved_from(scene, t); i < moved_from(scene, t + 1); i++) {
+        const double *motion = rk_grain_motion(g, i);
+        g->x[i] = motion[0];
+        g->y[i] = motion[1];
+        g->vx[i] = motion[2];
+        g->vy[i] = motion[3];
+    }
+}
+
+void rk_shares_unfold(struct rk_scene *scene) {
+    if (scene->under_way) {
+        rk_shares_run(scene, (rk_share_work *const[]){unfold}, 1, NULL);
+    }
 }
 
 static void return_histories(struct rk_scene *scene, size_t t, const void *data) {
@@ -236,9 +266,7 @@ void rk_shares_recall(struct rk_scene *scene) {
 
 static void push(struct rk_scene *scene, size_t t, const void *data) {
     const struct rk_contact_law *law = data;
-    struct rk_share *share = &scene->shares[t];
-    scene->kernel->push[law->implicit][law->normal][law->tangent][law->rolls][law->materials > 1](
-        &scene->grains, law, &share->close);
+    rk_kernel_push(scene->kernel, law)(&scene->grains, law, &scene->shares[t].close);
 }
 
 static void ease(struct rk_scene *scene, size_t t, const void *data) {
@@ -248,12 +276,12 @@ static void ease(struct rk_scene *scene, size_t t, const void *data) {
                         share->end);
 }
 
+void rk_shares_ease(struct rk_scene *scene) {
+    rk_shares_run(scene, (rk_share_work *const[]){ease}, 1, NULL);
+}
+
 void rk_shares_push(struct rk_scene *scene, const struct rk_contact_law *law) {
-    if (law->implicit) { /* every grain's ease is known before it is used */
-        rk_shares_run(scene, (rk_share_work *const[]){ease, push}, 2, law);
-    } else {
-        rk_shares_run(scene, (rk_share_work *const[]){push}, 1, law);
-    }
+    rk_shares_run(scene, (rk_share_work *const[]){push}, 1, law);
     scene->scattered = true;
 }
 

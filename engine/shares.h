@@ -44,9 +44,17 @@ struct rk_bounds rk_shares_correct(struct rk_scene *scene, enum rk_scheme scheme
 /* Correct, and predict the next step, in one pass: where the kernel has it for this scheme. */
 struct rk_bounds rk_shares_advance(struct rk_scene *scene, enum rk_scheme scheme);
 
+/* The bounds of all grains' moves from those of the threads', added to neighbours.moved. */
+struct rk_bounds rk_shares_note_moves(struct rk_scene *scene);
+
 /* What the forces begin with, for places, velocities, masses and gravity as they are: the layout of
- * kernel->ready. */
+ * kernel->ready; and the weights in it alone. */
 void rk_shares_lay_out(struct rk_scene *scene);
+void rk_shares_weigh(struct rk_scene *scene);
+
+/* Places and velocities of the step that is under way, if one is, out of that layout into the
+ * arrays, for whoever needs them there. */
+void rk_shares_unfold(struct rk_scene *scene);
 
 /* Pick the close pairs anew. */
 void rk_shares_pick(struct rk_scene *scene);
@@ -60,6 +68,9 @@ void rk_shares_recall(struct rk_scene *scene);
 
 /* The forces of all pairs, added to grains->force. */
 void rk_shares_push(struct rk_scene *scene, const struct rk_contact_law *law);
+
+/* For an implicit law: grains->ease of all grains. */
+void rk_shares_ease(struct rk_scene *scene);
 
 /* Put the contacts of all shares together in scene->touching, for whoever wants to look. */
 void rk_shares_gather(struct rk_scene *scene);

@@ -205,6 +205,7 @@ static enum rk_status find_contacts(struct rk_scene *scene, struct rk_error *err
     }
     bool corrected = rk_integrator_of(scene->spec.accuracy.integrator)->derivatives;
     if (corrected && scene->has[RK_IF_REMEMBERS]) {
+        rk_shares_lay_out(scene);
         rk_shares_recall(scene);
     } else {
         rk_shares_touch(scene);

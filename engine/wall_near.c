@@ -66,14 +66,15 @@ bool rk_wall_near_holds(const struct rk_scene *scene, const struct rk_wall *wall
 
 static bool listed(const struct rk_scene *scene, const struct rk_wall *wall, size_t p, size_t i) {
     const struct rk_grains *g = &scene->grains;
-    const double *n = wall->normal;
+    const double *n = wall->normal, *place = rk_grain_motion(g, i);
     if (wall->line) {
-        double gap = n[0] * (g->x[i] - wall->at[0]) + n[1] * (g->y[i] - wall->at[1]) - g->radius[i];
+        double gap =
+            n[0] * (place[0] - wall->at[0]) + n[1] * (place[1] - wall->at[1]) - g->radius[i];
         return gap < margin(scene);
     }
     double q[2];
     const struct rk_primitive *primitive = &wall->primitives[p];
-    rk_pose_inward(wall, rk_wall_image(scene, wall, primitive, g->x[i]), g->y[i], q);
+    rk_pose_inward(wall, rk_wall_image(scene, wall, primitive, place[0]), place[1], q);
     return rk_primitive_near(primitive, q, g->radius[i] + margin(scene));
 }
 
@@ -168,7 +169,7 @@ static enum rk_status list_grain(const struct rk_scene *scene, struct rk_wall *w
     enum rk_status status = RK_OK;
     /* A body that turns in a periodic box has no x in common with its images: look at all of it. */
     if (!(scene->spec.period_x > 0) || wall->mover.pose.angle == 0) {
-        rk_pose_inward(wall, x, g->y[i], q);
+        rk_pose_inward(wall, x, rk_grain_motion(g, i)[1], q);
         rk_wall_index_search(wall, q, reach, &place, &last);
     }
     for (; status == RK_OK && place < last; place++) {
@@ -191,19 +192,20 @@ static enum rk_status list_shape(const struct rk_scene *scene, struct rk_wall *w
         if (rk_grain_carried(g, i)) {
             continue;
         }
+        const double x = rk_grain_motion(g, i)[0];
         if (!images) {
-            status = list_grain(scene, wall, i, g->x[i], err);
+            status = list_grain(scene, wall, i, x, err);
             continue;
         }
         double reach = (g->radius[i] + margin(scene)) * (1 + 1e-9);
-        double low = wall->index.low_x + wall->mover.pose.shift[0] - reach - g->x[i];
-        double high = wall->index.high_x + wall->mover.pose.shift[0] + reach - g->x[i];
+        double low = wall->index.low_x + wall->mover.pose.shift[0] - reach - x;
+        double high = wall->index.high_x + wall->mover.pose.shift[0] + reach - x;
         if (!(fabs(low) < 1e9 * period)) {
             continue; /* a grain or a wall is nowhere any more: counting images would not end */
         }
         for (double k = ceil(low / period - 1e-9);
              status == RK_OK && k <= floor(high / period + 1e-9); k++) {
-            status = list_grain(scene, wall, i, g->x[i] + k * period, err);
+            status = list_grain(scene, wall, i, x + k * period, err);
         }
     }
     return status;

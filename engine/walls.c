@@ -91,8 +91,9 @@ static void touch_line(struct rk_scene *scene, size_t w, bool recall) {
     double velocity[2] = {wall->mover.pose.velocity[0], wall->mover.pose.velocity[1]};
     for (size_t k = 0; k < wall->near.count; k++) {
         uint32_t i = wall->near.grain[k];
-        double overlap = g->radius[i] - (normal[0] * (wall->at[0] - g->x[i]) +
-                                         normal[1] * (wall->at[1] - g->y[i]));
+        const double *place = rk_grain_motion(g, i);
+        double overlap = g->radius[i] - (normal[0] * (wall->at[0] - place[0]) +
+                                         normal[1] * (wall->at[1] - place[1]));
         if (recall) {
             overlap = overlap > 0 ? overlap : 0;
         }
@@ -101,7 +102,7 @@ static void touch_line(struct rk_scene *scene, size_t w, bool recall) {
             continue;
         }
         if (wall->mover.pose.turn != 0) {
-            velocity_at(wall, g->x[i], g->y[i], g->radius[i] - overlap, normal, velocity);
+            velocity_at(wall, place[0], place[1], g->radius[i] - overlap, normal, velocity);
         }
         put(scene, w, k, overlap, normal, velocity);
     }
@@ -112,7 +113,7 @@ static void touch_line(struct rk_scene *scene, size_t w, bool recall) {
 
 static double image_of(const struct rk_scene *scene, const struct rk_wall *wall, size_t k) {
     return rk_wall_image(scene, wall, &wall->primitives[wall->near.primitive[k]],
-                         scene->grains.x[wall->near.grain[k]]);
+                         rk_grain_motion(&scene->grains, wall->near.grain[k])[0]);
 }
 
 /* Did the contact of an entry end because the disc went on to a neighbouring part? Not if it still
@@ -122,7 +123,8 @@ static bool went_on(const struct rk_scene *scene, const struct rk_wall *wall, si
     if (!wall->near.before[k] || wall->near.now[k]) {
         return false;
     }
-    rk_pose_inward(wall, image_of(scene, wall, k), scene->grains.y[wall->near.grain[k]], q);
+    rk_pose_inward(wall, image_of(scene, wall, k),
+                   rk_grain_motion(&scene->grains, wall->near.grain[k])[1], q);
     return !rk_primitive_faces(&wall->primitives[wall->near.primitive[k]], q);
 }
 
@@ -156,9 +158,10 @@ static void touch_shape(struct rk_scene *scene, size_t w, bool recall) {
     size_t first = scene->wall_touching.count;
     for (size_t k = 0; k < near->count; k++) {
         uint32_t i = near->grain[k];
-        double x = image_of(scene, wall, k), q[2], overlap = 0, normal[2] = {0, 1};
+        double x = image_of(scene, wall, k), y = rk_grain_motion(g, i)[1];
+        double q[2], overlap = 0, normal[2] = {0, 1};
         double velocity[2] = {wall->mover.pose.velocity[0], wall->mover.pose.velocity[1]};
-        rk_pose_inward(wall, x, g->y[i], q);
+        rk_pose_inward(wall, x, y, q);
         near->now[k] = rk_primitive_touches(&wall->primitives[near->primitive[k]], q, g->radius[i],
                                             &overlap, normal);
         if (recall) {
@@ -172,7 +175,7 @@ static void touch_shape(struct rk_scene *scene, size_t w, bool recall) {
             rk_pose_outward(&wall->mover.pose, normal, normal);
         }
         if (wall->mover.pose.turn != 0) {
-            velocity_at(wall, x, g->y[i], g->radius[i] - overlap, normal, velocity);
+            velocity_at(wall, x, y, g->radius[i] - overlap, normal, velocity);
         }
         put(scene, w, k, overlap, normal, velocity);
     }
@@ -201,8 +204,8 @@ static void fill_up(struct rk_wall_touching *t) {
     }
 }
 
-/* Forces go to the grains and to the walls, and what contacts remember back to the lists. */
-static void give(struct rk_scene *scene) {
+/* And what contacts remember goes back to the lists. */
+void rk_walls_give(struct rk_scene *scene) {
     struct rk_wall_touching *t = &scene->wall_touching;
     const size_t width = rk_force_width(&scene->grains);
     for (size_t c = 0; c < t->count; c++) {
@@ -260,15 +263,14 @@ enum rk_status rk_walls_recall(struct rk_scene *scene, struct rk_error *err) {
     return find_touching(scene, true, err);
 }
 
-enum rk_status rk_walls_push(struct rk_scene *scene, const struct rk_contact_law *law,
-                             struct rk_error *err) {
+enum rk_status rk_walls_press(struct rk_scene *scene, const struct rk_contact_law *law,
+                              struct rk_error *err) {
     enum rk_status status = find_touching(scene, false, err);
     if (status) {
         return status;
     }
     scene->kernel->press[law->implicit][law->normal][law->tangent][law->rolls][law->materials > 1](
         &scene->grains, law, &scene->wall_touching);
-    give(scene);
     return RK_OK;
 }
 

@@ -60,9 +60,12 @@ enum rk_status rk_walls_touch(struct rk_scene *scene, struct rk_error *err);
  * lost or found. */
 enum rk_status rk_walls_recall(struct rk_scene *scene, struct rk_error *err);
 
-/* Touch, and add the wall contacts' forces to grains->force: by wall, primitive, grain. */
-enum rk_status rk_walls_push(struct rk_scene *scene, const struct rk_contact_law *law,
-                             struct rk_error *err);
+/* Touch, and work out the wall contacts' forces. */
+enum rk_status rk_walls_press(struct rk_scene *scene, const struct rk_contact_law *law,
+                              struct rk_error *err);
+
+/* Add them to grains->force, by wall, primitive, grain, and to the walls. */
+void rk_walls_give(struct rk_scene *scene);
 
 void rk_walls_free(struct rk_scene *scene);
 
