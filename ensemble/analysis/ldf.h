@@ -5,15 +5,15 @@
 #include "ensemble/analysis/result.h"
 #include "stats/stats.h"
 
-/* Units of the averaged quantity, of time, and of what follows; constant texts. */
+/* Units of the averaged quantity, of time, and of what follows; constant texts, "" of a pure
+ * number, NULL where it is not known. */
 struct rk_ldf_units {
     const char *value, *time, *per_time,
         *k;                /* k, and the slope of I(-a) - I(a): 1/(value x time) */
     const char *curvature; /* value^2 x time */
 };
 
-/* Those of a study whose averaged quantity has the unit `value`; of data from elsewhere (NULL)
- * there are none. */
+/* Those of a study whose averaged quantity has the unit `value` (NULL: not known). */
 struct rk_ldf_units rk_ldf_units_of(const char *value);
 
 /* The parameters of the analysis `ldf` of a study. */

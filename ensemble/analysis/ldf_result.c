@@ -10,7 +10,6 @@
 #include <string.h>
 
 struct rk_ldf_units rk_ldf_units_of(const char *value) {
-    static const struct rk_ldf_units none = {"", "", "", "", ""};
     static const struct rk_ldf_units known[] = {
         {"sqrt(g d)", "sqrt(d/g)", "sqrt(g/d)", "1/d", "d sqrt(g d)"},
         {"d", "sqrt(d/g)", "sqrt(g/d)", "1/(d sqrt(d/g))", "d^2 sqrt(d/g)"},
@@ -18,12 +17,12 @@ struct rk_ldf_units rk_ldf_units_of(const char *value) {
         {"m g d", "sqrt(d/g)", "sqrt(g/d)", "1/(m d sqrt(g d))", "(m g d)^2 sqrt(d/g)"},
         {"", "sqrt(d/g)", "sqrt(g/d)", "sqrt(g/d)", "sqrt(d/g)"},
     };
-    enum { KNOWN = sizeof known / sizeof *known };
-    size_t i = 0;
-    while (value && i + 1 < KNOWN && strcmp(known[i].value, value) != 0) {
-        i++;
+    for (size_t i = 0; value && i < sizeof known / sizeof *known; i++) {
+        if (strcmp(known[i].value, value) == 0) {
+            return known[i];
+        }
     }
-    return value ? known[i] : none;
+    return (struct rk_ldf_units){value, "sqrt(d/g)", "sqrt(g/d)", NULL, NULL};
 }
 
 struct column {

@@ -34,7 +34,7 @@ static struct rk_value *add(struct rk_result *result, const char *name, const ch
         result->room = room;
     }
     struct rk_value *value = &result->values[result->count++];
-    *value = (struct rk_value){name, unit, doc, scalar, count, NULL, NULL};
+    *value = (struct rk_value){name, unit ? unit : "", doc, scalar, count, NULL, NULL};
     return value;
 }
 

@@ -41,6 +41,7 @@ struct rk_result {
 void rk_result_init(struct rk_result *result);
 void rk_result_clear(struct rk_result *result);
 
+/* A unit of "" is that of a pure number, NULL one that is not known; neither is written. */
 void rk_result_scalar(struct rk_result *result, const char *name, const char *unit, const char *doc,
                       double value);
 void rk_result_column(struct rk_result *result, const char *name, const char *unit, const char *doc,

@@ -30,7 +30,7 @@ struct rk_data {
     struct rk_samples samples;
     double interval;
     bool study;       /* it is of a study or a run: times are in sqrt(d/g) */
-    const char *unit; /* of the samples, a constant text; "" where it is not known */
+    const char *unit; /* of the samples, a constant text; NULL where it is not known */
     char what[96];    /* the samples are, of harmless characters for a script: a column's name */
     bool integral;    /* as asked, or because it is the height of a study's intruder */
     uint64_t scale; /* samples in the unit that window, from and to are given in: a period, or 1 */
@@ -71,7 +71,8 @@ struct rk_data_label {
 };
 struct rk_data_label rk_data_label(const struct rk_data *data, bool rate);
 
-/* The unit of the rate that is averaged: of the samples, or of what they are the integral of. */
+/* The unit of the rate that is averaged: of the samples, or of what they are the integral of; NULL
+ * where it is not known. */
 const char *rk_data_rate_unit(const struct rk_data *data);
 
 /* "file.h5:/path/to/dataset": where the path begins, NULL in another operand. */

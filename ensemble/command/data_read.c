@@ -22,7 +22,7 @@ static const char *observable_unit(const char *name) {
             }
         }
     }
-    return "";
+    return NULL;
 }
 
 /* The name of the samples goes into scripts, where quotes and the like would mean something. */
@@ -51,7 +51,7 @@ const char *rk_data_rate_unit(const struct rk_data *data) {
     if (!data->integral) {
         return data->unit;
     }
-    return strcmp(data->unit, "d") == 0 ? "sqrt(g d)" : "";
+    return data->unit && strcmp(data->unit, "d") == 0 ? "sqrt(g d)" : NULL;
 }
 
 static enum rk_status read_run(const char *operand, const struct rk_data_options *o,
@@ -230,7 +230,6 @@ enum rk_status rk_data_read(struct rk_data *data, const char *operand, struct rk
         .name = operand,
         .interval = o->interval,
         .integral = o->integral,
-        .unit = "",
         .scale = 1,
         .stream = rk_stream_of(o->seed, 0, 0, RK_FOR_BOOTSTRAP, 0),
     };

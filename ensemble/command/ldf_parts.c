@@ -24,7 +24,7 @@ static const struct {
 };
 
 static struct rk_ldf_units units_of(const struct rk_data *data) {
-    return rk_ldf_units_of(data->study ? rk_data_rate_unit(data) : NULL);
+    return data->study ? rk_ldf_units_of(rk_data_rate_unit(data)) : (struct rk_ldf_units){0};
 }
 
 static enum rk_series_mode mode_of(const struct rk_data *data) {

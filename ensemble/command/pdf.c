@@ -181,7 +181,6 @@ static int fit_columns(const struct rk_data_command *command, const char *path,
                                      .samples = columns[0],
                                      .interval = o->data.interval,
                                      .scale = 1,
-                                     .unit = "",
                                      .what = "samples",
                                      .stream =
                                          rk_stream_of(o->data.seed, 0, 0, RK_FOR_BOOTSTRAP, 0)};

@@ -150,7 +150,6 @@ static int answer(const struct rk_data_command *command, const char *operand,
             .samples.replicas = rates.first[rates.points],
             .interval = 1,
             .study = study != NULL,
-            .unit = "",
             .stream = rk_stream_of(study ? study->seed : o->data.seed, 0, 0, RK_FOR_BOOTSTRAP, 0)};
         code = rk_data_give(command, operand, &o->data, &request, &data);
     } else {
