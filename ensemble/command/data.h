@@ -102,6 +102,13 @@ enum rk_status rk_data_read(struct rk_data *data, const char *operand, struct rk
                             const char *point, const struct rk_data_options *o,
                             struct rk_error *err);
 
+/* What the runs of point `p` that are done hold of the observable, or of the contact forces; how
+ * many failed, are missing or were retried is said as a warning. Release with rk_gathered_clear,
+ * whatever the status. */
+enum rk_status rk_data_gather(const char *folder, const struct rk_plan *plan, size_t p,
+                              const struct rk_data_options *o, struct rk_gathered *g,
+                              struct rk_error *err);
+
 /* Columns of one CSV file, row by row; release each with rk_samples_clear, whatever the status. */
 enum rk_status rk_data_columns(const char *path, const char *const *names,
                                struct rk_samples *columns, size_t count, struct rk_error *err);

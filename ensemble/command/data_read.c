@@ -154,26 +154,38 @@ static void warn(void *context, const char *line) {
     rk_warn("%s", line);
 }
 
-/* The runs of point `p` that are done; the arrays change hands. */
-static enum rk_status gather(const char *folder, const struct rk_plan *plan, size_t p,
-                             const struct rk_data_options *o, struct rk_data *data,
-                             struct rk_error *err) {
+enum rk_status rk_data_gather(const char *folder, const struct rk_plan *plan, size_t p,
+                              const struct rk_data_options *o, struct rk_gathered *g,
+                              struct rk_error *err) {
     const struct rk_notice notice = {warn, NULL};
+    const struct rk_span span = {o->from, o->to};
+    const char *name = plan->study->points[p].name;
+    enum rk_status status = o->forces ? rk_gather_forces(folder, plan, p, &span, &notice, g, err)
+                                      : rk_gather(folder, plan, p, o->observable, &notice, g, err);
+    if (status == RK_OK && g->failed + g->missing > 0) {
+        rk_warn("point '%s': %zu of %zu runs are used, %zu failed, %zu are missing", name, g->done,
+                g->done + g->failed + g->missing, g->failed, g->missing);
+    }
+    if (status == RK_OK && g->retried > 0) {
+        rk_warn("point '%s': %zu of %zu runs were done with smaller time steps after failing", name,
+                g->retried, g->done);
+    }
+    return status;
+}
+
+/* The runs of point `p` that are done; the arrays change hands. */
+static enum rk_status take(const char *folder, const struct rk_plan *plan, size_t p,
+                           const struct rk_data_options *o, struct rk_data *data,
+                           struct rk_error *err) {
     const struct rk_study *study = plan->study;
     const struct rk_point *point = &study->points[p];
     struct rk_gathered g = {0};
-    const struct rk_span span = {o->from, o->to};
-    enum rk_status status = o->forces ? rk_gather_forces(folder, plan, p, &span, &notice, &g, err)
-                                      : rk_gather(folder, plan, p, o->observable, &notice, &g, err);
+    enum rk_status status = rk_data_gather(folder, plan, p, o, &g, err);
     if (status == RK_OK && g.done == 0) {
         status = rk_fail(err, RK_EIO, "no run of point '%s' is done yet, or none can be used",
                          point->name);
     }
     if (status == RK_OK) {
-        if (g.failed + g.missing > 0) {
-            rk_warn("point '%s': %zu of %zu runs are used, %zu failed, %zu are missing",
-                    point->name, g.done, g.done + g.failed + g.missing, g.failed, g.missing);
-        }
         struct rk_schedule schedule = study->scene->schedule(point->params);
         data->name = point->name;
         data->samples = (struct rk_samples){g.values, g.lengths, g.beds, g.done, g.samples};
@@ -204,7 +216,7 @@ static enum rk_status read_folder(const char *folder, struct rk_study *study, co
         status = rk_command_plan_folder(folder, study, &plan, err);
     }
     if (status == RK_OK) {
-        status = gather(folder, plan, p, o, data, err);
+        status = take(folder, plan, p, o, data, err);
     }
     rk_plan_free(plan);
     return status;

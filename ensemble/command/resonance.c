@@ -67,15 +67,9 @@ static enum rk_status read_file(const char *path, const struct resonance_options
 
 /* ---- From a study -------------------------------------------------------------------------- */
 
-static void warn(void *context, const char *line) {
-    (void)context;
-    rk_warn("%s", line);
-}
-
 static enum rk_status read_folder(const char *folder, struct rk_study *study,
                                   const struct resonance_options *o, struct rk_point_values *rates,
                                   struct rk_error *err) {
-    const struct rk_notice notice = {warn, NULL};
     struct rk_plan *plan = NULL;
     enum rk_status status = rk_resonance_check_points(study, err);
     if (status == RK_OK) {
@@ -92,7 +86,7 @@ static enum rk_status read_folder(const char *folder, struct rk_study *study,
         if (status != RK_OK) {
             break;
         }
-        status = rk_gather(folder, plan, p, RK_REPORT_OBSERVABLE, &notice, &g, err);
+        status = rk_data_gather(folder, plan, p, &o->data, &g, err);
         if (status == RK_OK) {
             struct rk_point_data data = rk_gathered_data(plan, p, &g, &series);
             rk_resonance_add(rates, &data, o->data.from, o->data.to);
@@ -169,6 +163,7 @@ static int resonance(const void *options, size_t count, char *const *operands) {
     struct rk_error err = RK_NO_ERROR;
     struct rk_study *study = NULL;
     bool folder = rk_data_is_folder(operands[0]);
+    o.data.observable = RK_REPORT_OBSERVABLE;
     (void)count;
     if (rk_data_check_there(operands[0], &err) != RK_OK ||
         check_options(&o, operands[0], folder, &err) != RK_OK) {
