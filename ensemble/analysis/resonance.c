@@ -263,7 +263,9 @@ static void picture(const struct rk_picture *p, FILE *out) {
 static const struct rk_analysis_methods methods = {
     .check = check,
     .check_points = rk_resonance_check_points,
-    .points = "at least 5 points of 3 replicas, which differ in drive.period alone",
+    .points =
+        "at least 5 points of 3 replicas, which differ in drive.period and else only in how they "
+        "are computed",
     .add = add,
     .estimate_all = estimate_all,
     .title = "peak of the rise rate against the period of the drive",

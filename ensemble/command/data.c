@@ -11,7 +11,9 @@ static void print(const struct rk_data_command *command, const struct rk_data_op
         struct rk_json json = rk_json_of(stdout);
         rk_json_open_map(&json, NULL);
         rk_json_count(&json, "replicas", data->samples.replicas);
-        rk_json_number(&json, "interval", data->interval);
+        if (!o->forces) { /* contacts have no spacing in time */
+            rk_json_number(&json, "interval", data->interval);
+        }
         if (command->integrates) {
             rk_json_flag(&json, "integral", data->integral);
         }
@@ -24,8 +26,28 @@ static void print(const struct rk_data_command *command, const struct rk_data_op
     }
 }
 
-enum rk_status rk_data_check_time(const struct rk_data *data, uint64_t window, uint64_t from,
-                                  uint64_t to, struct rk_error *err) {
+/* An option as it was given, or as the study has it. */
+struct given {
+    char text[64];
+};
+
+static struct given given(const char *name, uint64_t value, bool own) {
+    struct given g;
+    snprintf(g.text, sizeof g.text, own ? "the study's own '%s: %llu'" : "--%s %llu", name,
+             (unsigned long long)value);
+    return g;
+}
+
+enum rk_status rk_data_check_order(const struct rk_data_options *o, struct rk_error *err) {
+    return o->to > 0 && o->to <= o->from
+               ? rk_fail(err, RK_EINVALID, "%s must lie after %s (periods)",
+                         given("to", o->to, o->own_to).text,
+                         given("from", o->from, o->own_from).text)
+               : RK_OK;
+}
+
+enum rk_status rk_data_check_time(const struct rk_data *data, uint64_t window,
+                                  const struct rk_data_options *o, struct rk_error *err) {
     uint64_t longest = 0;
     for (size_t r = 0; r < data->samples.replicas; r++) {
         uint64_t length = data->samples.lengths[r];
@@ -34,20 +56,19 @@ enum rk_status rk_data_check_time(const struct rk_data *data, uint64_t window, u
     if (data->scale == 1 || longest == 0) {
         return RK_OK;
     }
-    unsigned long long periods = (longest - 1) / data->scale, end = to > 0 ? to : periods;
+    unsigned long long periods = (longest - 1) / data->scale, end = o->to > 0 ? o->to : periods;
     end = end < periods ? end : periods;
-    if (to > 0 && to <= from) {
-        return rk_fail(err, RK_EINVALID, "--to %llu must lie after --from %llu (periods)",
-                       (unsigned long long)to, (unsigned long long)from);
+    if (rk_data_check_order(o, err) != RK_OK) {
+        return RK_EINVALID;
     }
-    if (from >= periods) {
-        return rk_fail(err, RK_EINVALID, "--from %llu: there are %llu periods only",
-                       (unsigned long long)from, periods);
+    if (o->from >= periods) {
+        return rk_fail(err, RK_EINVALID, "%s: there are %llu periods only",
+                       given("from", o->from, o->own_from).text, periods);
     }
-    if (window > end - from) {
+    if (window > end - o->from) {
         return rk_fail(err, RK_EINVALID,
                        "a window of %llu periods does not fit between period %llu and period %llu",
-                       (unsigned long long)window, (unsigned long long)from, end);
+                       (unsigned long long)window, (unsigned long long)o->from, end);
     }
     return RK_OK;
 }
@@ -127,7 +148,15 @@ const void *rk_data_request(const struct rk_study *study, const struct rk_analys
 void rk_data_complete(const struct rk_data_command *command, const struct rk_study *study,
                       struct rk_data_options *o) {
     const void *request = rk_data_request(study, command->analysis);
-    rk_options_complete(command->command, o, request ? command->analysis->params : NULL, request);
+    rk_data_complete_with(command->command, request ? command->analysis->params : NULL, request, o);
+}
+
+void rk_data_complete_with(const struct rk_command *command, const struct rk_param_table *table,
+                           const void *params, struct rk_data_options *o) {
+    const uint64_t from = o->from, to = o->to;
+    rk_options_complete(command, o, table, params);
+    o->own_from = o->from != from;
+    o->own_to = o->to != to;
 }
 
 int rk_data_main(const struct rk_data_command *command, const char *operand,

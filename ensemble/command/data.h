@@ -22,6 +22,7 @@ struct rk_data_options {
     bool forces; /* of the contacts in the frames between from and to, not an observable */
     uint64_t window, from, to, bootstrap, seed;
     double interval, level;
+    bool own_from, own_to; /* were not given: they are those of the study's own analysis */
 };
 
 /* What is analysed. */
@@ -39,8 +40,21 @@ struct rk_data {
 
 /* Do from, to (0: the end) and a window fit into the data, all in periods? RK_EINVALID. Samples are
  * left to the library, whose sentences are about samples. */
-enum rk_status rk_data_check_time(const struct rk_data *data, uint64_t window, uint64_t from,
-                                  uint64_t to, struct rk_error *err);
+enum rk_status rk_data_check_time(const struct rk_data *data, uint64_t window,
+                                  const struct rk_data_options *o, struct rk_error *err);
+
+/* Does `to`, if it is given, lie after `from`? RK_EINVALID. */
+enum rk_status rk_data_check_order(const struct rk_data_options *o, struct rk_error *err);
+
+/* Is there a frame from period `from` on and before period `to` in runs of such a schedule?
+ * RK_EINVALID. */
+enum rk_status rk_data_check_frames(const struct rk_schedule *schedule,
+                                    const struct rk_data_options *o, struct rk_error *err);
+
+/* Why the file of a run has no contact force there: RK_EINVALID without a frame, RK_EREFUSED if no
+ * grains touch. */
+enum rk_status rk_data_explain_frames(const char *path, const struct rk_data_options *o,
+                                      struct rk_error *err);
 
 struct rk_data_command {
     const struct rk_command *command;
@@ -61,6 +75,10 @@ int rk_data_main(const struct rk_data_command *command, const char *operand,
  * the default. */
 void rk_data_complete(const struct rk_data_command *command, const struct rk_study *study,
                       struct rk_data_options *o);
+
+/* The same with the parameters of any analysis; `o` begins the struct of the command's options. */
+void rk_data_complete_with(const struct rk_command *command, const struct rk_param_table *table,
+                           const void *params, struct rk_data_options *o);
 
 /* The parameters of the first such analysis that the study asks for, NULL without one. */
 const void *rk_data_request(const struct rk_study *study, const struct rk_analysis *analysis);

@@ -63,6 +63,10 @@ static enum rk_status read_run(const char *operand, const struct rk_data_options
     if (status != RK_OK) {
         return status;
     }
+    if (o->forces && recorded.samples == 0) {
+        free(recorded.values);
+        return rk_data_explain_frames(operand, o, err);
+    }
     size_t *lengths = malloc(sizeof *lengths);
     if (!lengths) {
         free(recorded.values);
@@ -214,6 +218,10 @@ static enum rk_status read_folder(const char *folder, struct rk_study *study, co
     }
     if (status == RK_OK) {
         status = rk_command_plan_folder(folder, study, &plan, err);
+    }
+    if (status == RK_OK && o->forces) {
+        struct rk_schedule schedule = study->scene->schedule(study->points[p].params);
+        status = schedule.contacts ? rk_data_check_frames(&schedule, o, err) : RK_OK;
     }
     if (status == RK_OK) {
         status = take(folder, plan, p, o, data, err);

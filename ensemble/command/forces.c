@@ -33,11 +33,14 @@ static int forces(const void *options, size_t count, char *const *operands) {
     o.data.interval = 1;
     o.data.observable = RK_REPORT_OBSERVABLE;
     o.data.forces = true;
+    struct rk_error err = RK_NO_ERROR;
     (void)count;
     if ((o.data.from > 0 || o.data.to > 0) && !rk_data_is_folder(operands[0]) &&
         !rk_data_is_run(operands[0])) {
-        struct rk_error err = RK_NO_ERROR;
         rk_fail(&err, RK_EINVALID, "--from and --to choose frames of a study or a run");
+        return rk_complain(&err);
+    }
+    if (rk_data_check_order(&o.data, &err) != RK_OK) {
         return rk_complain(&err);
     }
     return rk_data_main(&command, operands[0], &o.data, &o);

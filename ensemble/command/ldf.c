@@ -52,8 +52,7 @@ static enum rk_status answer(const struct rk_ldf_wish *o, struct rk_ldf_request 
         status = rk_ldf_wish_resolve(o, request, windows, &count, err);
     }
     for (size_t i = 0; i < count && status == RK_OK; i++) {
-        const struct rk_ldf_options *of = &request->options;
-        status = rk_data_check_time(data, windows[i], of->from, of->to, err);
+        status = rk_data_check_time(data, windows[i], &o->data, err);
     }
     if (status == RK_OK) {
         status = rk_ldf_parts_make(&parts, o, &request->options, windows, count, data, other, err);
@@ -103,7 +102,7 @@ static int ldf(const void *options, size_t count, char *const *operands) {
         }
     }
     struct rk_ldf_request request = rk_ldf_request_of(study);
-    rk_options_complete(&rk_command_ldf, &wish, rk_analysis_ldf.params, &request);
+    rk_data_complete_with(&rk_command_ldf, rk_analysis_ldf.params, &request, &wish.data);
     int code = RK_EXIT_DONE;
     enum rk_status status = read_inputs(operand, study, o, inputs, &err);
     if (status != RK_OK) {

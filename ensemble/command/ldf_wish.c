@@ -87,8 +87,7 @@ enum rk_status rk_ldf_wish_resolve(const struct rk_ldf_wish *o, struct rk_ldf_re
     }
     if (*count == 0) {
         options->window = o->data.window > 0 ? o->data.window : options->window;
-        *count = rk_ldf_windows_of(options->window, o->data.window > 0 ? 0 : request->doublings,
-                                   windows);
+        *count = rk_ldf_windows_of(options->window, request->doublings, windows);
     }
     options->window = windows[0];
     options->from = o->data.from;

@@ -42,7 +42,7 @@ static enum rk_status estimate(const void *values, const struct rk_data *data,
         const struct rk_pdf_options fit = fit_options(o);
         return rk_pdf_counts_result(result, &input->histogram, &fit, err);
     }
-    enum rk_status status = rk_data_check_time(data, o->data.window, o->data.from, o->data.to, err);
+    enum rk_status status = rk_data_check_time(data, o->data.window, &o->data, err);
     if (status != RK_OK) {
         return status;
     }

@@ -30,7 +30,7 @@ static enum rk_status estimate(const void *values, const struct rk_data *data,
                                              .fixed = !isnan(o->final),
                                              .final = o->final};
     struct rk_series series;
-    enum rk_status status = rk_data_check_time(data, 1, o->data.from, o->data.to, err);
+    enum rk_status status = rk_data_check_time(data, 1, &o->data, err);
     if (status == RK_OK) {
         status = rk_analysis_once_a_period(&point, &series, err);
     }
