@@ -66,6 +66,7 @@ struct rk_analysis; /* ensemble/analysis.h */
 struct rk_request {
     const struct rk_analysis *analysis;
     void *params;
+    struct rk_error unfit; /* status RK_EINVALID: the points, taken together, do not fit it */
 };
 
 /* Replicas are added until the interval of a quantity is as narrow as asked (stats/stein.h); the
@@ -120,6 +121,10 @@ struct rk_study {
  * RK_EIO: no such file; RK_EINVALID: anything wrong with it, err->where being file:line:column. */
 enum rk_status rk_study_load(const char *path, struct rk_study **study, struct rk_error *err);
 void rk_study_free(struct rk_study *study);
+
+/* Do the points fit every analysis that is made of all of them? RK_EINVALID as above. Of a study
+ * that is to be run; one whose runs are there may be read without. */
+enum rk_status rk_study_check_fit(const struct rk_study *study, struct rk_error *err);
 
 /* The same of a text that includes nothing; `name` stands for the file in messages. */
 enum rk_status rk_study_parse(const char *name, const void *bytes, size_t size,

@@ -64,7 +64,9 @@ static enum rk_status take(struct rk_report_entry *entry, const struct gathered_
         return estimate(point, request, &entry->outcomes[p], err);
     }
     count(&entry->outcomes[0], &point->g);
-    return request->analysis->methods->add(request->params, &point->data, &entry->values, err);
+    return request->unfit.status != RK_OK ? RK_OK
+                                          : request->analysis->methods->add(
+                                                request->params, &point->data, &entry->values, err);
 }
 
 /* The analyses of all points together. */
@@ -77,8 +79,10 @@ static enum rk_status estimate_all(struct rk_report *report, struct rk_error *er
         if (request->analysis->methods->estimate_all) {
             struct rk_error reason = RK_NO_ERROR;
             struct rk_outcome *outcome = &entry->outcomes[0];
-            status = request->analysis->methods->estimate_all(request->params, &entry->values,
-                                                              &stream, &outcome->result, &reason);
+            status = request->unfit.status != RK_OK
+                         ? rk_fail(&reason, RK_EREFUSED, "%s", request->unfit.message)
+                         : request->analysis->methods->estimate_all(
+                               request->params, &entry->values, &stream, &outcome->result, &reason);
             outcome->point = "all";
             status = settle(outcome, status, &reason, err);
             rk_point_values_clear(&entry->values);

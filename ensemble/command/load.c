@@ -34,18 +34,30 @@ static enum rk_status refuse_folder(const char *path, struct rk_error *err) {
                          length, path);
 }
 
-int rk_command_load_study(const char *path, struct rk_study **study) {
+/* A study that is to be run must fit its analyses; of one whose runs are there, those that do not
+ * fit are refused when they are carried out. */
+static int load(const char *path, bool to_run, struct rk_study **study) {
     struct rk_error err = RK_NO_ERROR;
     if (refuse_folder(path, &err) != RK_OK) {
         *study = NULL;
         return rk_complain(&err);
     }
-    if (rk_study_load(path, study, &err) == RK_OK) {
+    enum rk_status status = rk_study_load(path, study, &err);
+    if (status == RK_OK && to_run) {
+        status = rk_study_check_fit(*study, &err);
+    }
+    if (status == RK_OK) {
         return RK_EXIT_DONE;
     }
+    rk_study_free(*study);
+    *study = NULL;
     int code = rk_complain(&err);
     /* A study that is not there is a mistake of the command line, not of the disk. */
     return err.status == RK_EIO ? RK_EXIT_USAGE : code;
+}
+
+int rk_command_load_study(const char *path, struct rk_study **study) {
+    return load(path, true, study);
 }
 
 /* Is there a folder at all? What is wrong inside of it is said of its files. */
@@ -94,7 +106,7 @@ int rk_command_load_folder(const char *folder, struct rk_study **study) {
                 folder);
         code = rk_complain(&wrong);
     } else {
-        code = rk_command_load_study(path, study);
+        code = load(path, false, study);
     }
     free(path);
     return code;

@@ -35,8 +35,7 @@ static enum rk_status entry(struct rk_spot spot, const char **name, struct rk_ya
     return RK_OK;
 }
 
-/* What an analysis asks of the runs must be there in every point: a window no longer than a run.
- * What is made of all points together asks something of them, too. */
+/* What an analysis asks of the runs must be there in every point: a window no longer than a run. */
 static enum rk_status check_request(const struct rk_study *study, const struct rk_request *request,
                                     struct rk_error *err) {
     const struct rk_analysis_methods *methods = request->analysis->methods;
@@ -45,7 +44,7 @@ static enum rk_status check_request(const struct rk_study *study, const struct r
         struct rk_schedule schedule = study->scene->schedule(study->points[i].params);
         status = methods->check(request->params, &schedule, err);
     }
-    return status == RK_OK && methods->check_points ? methods->check_points(study, err) : status;
+    return status;
 }
 
 /* Where is it written what a check refuses: a parameter of the analysis, a key of the study, or
@@ -59,6 +58,31 @@ static void locate(const struct rk_sources *sources, struct rk_spot map, struct 
     } else {
         rk_yaml_locate(analysis.tree, place, err);
     }
+}
+
+/* What is made of all points together asks something of them, too. A folder of an older version may
+ * hold a study that does not have it: that is noted, and no reason not to read the study. */
+static enum rk_status check_points(const struct rk_sources *sources, struct rk_spot analysis,
+                                   struct rk_yaml_place place, const struct rk_study *study,
+                                   struct rk_request *request, struct rk_error *err) {
+    const struct rk_analysis_methods *methods = request->analysis->methods;
+    struct rk_error why = RK_NO_ERROR;
+    enum rk_status status = methods->check_points ? methods->check_points(study, &why) : RK_OK;
+    if (status == RK_EINVALID) {
+        locate(sources, (struct rk_spot){analysis.tree, NULL}, analysis, place, &why);
+        request->unfit = why;
+        return RK_OK;
+    }
+    return status == RK_OK ? RK_OK : rk_fail_as(err, &why);
+}
+
+enum rk_status rk_study_check_fit(const struct rk_study *study, struct rk_error *err) {
+    for (size_t i = 0; i < study->request_count; i++) {
+        if (study->requests[i].unfit.status != RK_OK) {
+            return rk_fail_as(err, &study->requests[i].unfit);
+        }
+    }
+    return RK_OK;
 }
 
 static enum rk_status read_request(const struct rk_sources *sources, struct rk_spot spot,
@@ -93,7 +117,7 @@ static enum rk_status read_request(const struct rk_sources *sources, struct rk_s
             locate(sources, map, spot, place, err);
         }
     }
-    return status;
+    return status == RK_OK ? check_points(sources, spot, place, study, request, err) : status;
 }
 
 enum rk_status rk_study_read_analyses(const struct rk_sources *sources, struct rk_study *study,
