@@ -15,13 +15,22 @@ static int point_width(const struct rk_study *study) {
     return (int)width;
 }
 
-/* "level = 0.95", "from = 10": every parameter of the analysis. */
+/* "from period 10, to the end, level 0.95": every parameter of the analysis. */
 static void print_params(const struct rk_request *request, FILE *out) {
     const struct rk_param_table *table = request->analysis->params;
     size_t total = rk_param_total(table);
     for (size_t i = 0; i < total; i++) {
         struct rk_param_line line = rk_param_line(table, i, request->params);
-        fprintf(out, "%s%s %s", i ? ", " : "", line.path, line.text);
+        const char *unit = rk_param_at(table, i).row->unit;
+        bool to = strcmp(line.path, "to") == 0, end = to || strcmp(line.path, "from") == 0;
+        fprintf(out, "%s%s ", i ? ", " : "", line.path);
+        if (to && strcmp(line.text, "0") == 0) {
+            fprintf(out, "the end");
+        } else if (end) {
+            fprintf(out, "period %s", line.text);
+        } else {
+            fprintf(out, "%s%s%s", line.text, unit[0] != '\0' ? " " : "", unit);
+        }
     }
 }
 

@@ -11,7 +11,7 @@ static void print(const struct rk_data_command *command, const struct rk_data_op
         struct rk_json json = rk_json_of(stdout);
         rk_json_open_map(&json, NULL);
         rk_json_count(&json, "replicas", data->samples.replicas);
-        if (!o->forces) { /* contacts have no spacing in time */
+        if (!(o->forces && data->study)) { /* contacts have no spacing in time */
             rk_json_number(&json, "interval", data->interval);
         }
         if (command->integrates) {
