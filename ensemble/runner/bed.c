@@ -40,10 +40,7 @@ static void rest(struct making *m, bool resting) {
 
 static enum rk_status still_ours(const struct making *m, struct rk_error *err) {
     const struct rk_worker *worker = m->wish->hooks->worker;
-    return !worker || rk_claim_holds(worker, &m->claim)
-               ? RK_OK
-               : rk_fail(err, RK_ECONFLICT, "another program has taken over the bed of run %s",
-                         m->wish->run->id);
+    return worker ? rk_claim_check(worker, &m->claim, err) : RK_OK;
 }
 
 static void forget_scene(struct making *m) {

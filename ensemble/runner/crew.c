@@ -101,10 +101,10 @@ static bool tries(void *context) {
     return ((const struct rk_berth *)context)->pace.from > 0;
 }
 
-static bool holds(void *context) {
+static enum rk_status check(void *context, struct rk_error *err) {
     const struct rk_berth *berth = context;
     const struct rk_thing thing = rk_thing_run(berth->run);
-    return rk_claim_holds(berth->crew->worker, &thing);
+    return rk_claim_check(berth->crew->worker, &thing, err);
 }
 
 /* ---- One run ---- */
@@ -163,7 +163,7 @@ static enum rk_status carry_out(struct rk_berth *berth, size_t i, struct rk_erro
                                        .tries = tries,
                                        .rest = rest,
                                        .put_off = put_off,
-                                       .holds = holds,
+                                       .check = check,
                                        .context = berth,
                                        .worker = crew->worker,
                                        .checkpoint_every = crew->options->checkpoint_every};
@@ -205,7 +205,9 @@ static void take_up(struct rk_berth *berth, size_t i) {
         rk_crew_release(crew, &thing, status == RK_OK);
         end(berth, i, status == RK_OK);
     }
-    if (status != RK_OK && status != RK_EINTERRUPTED && status != RK_ECONFLICT) {
+    if (status == RK_ECONFLICT && !rk_worker_known(crew->worker, true)) {
+        rk_crew_lost(crew);
+    } else if (status != RK_OK && status != RK_EINTERRUPTED) {
         crew->states[i] = RK_RUN_WAITING;
         note_error(crew, run, &why);
     }

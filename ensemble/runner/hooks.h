@@ -1,6 +1,6 @@
 /* What carrying out a run tells and asks while it goes: whatever is at work, on the run itself or
  * on the bed that it begins from. Any function may be NULL: then nothing is told, and the answer is
- * no (of `holds`: yes). They are called by the thread that carries out the run.
+ * no (of `check`: yes). They are called by the thread that carries out the run.
  */
 #ifndef RK_ENSEMBLE_RUNNER_HOOKS_H
 #define RK_ENSEMBLE_RUNNER_HOOKS_H
@@ -22,7 +22,8 @@ struct rk_run_hooks {
     void (*rest)(void *context, bool resting); /* waits, without a use for its core, or no more */
     bool (*put_off)(void *context); /* asked while the bed is settled elsewhere: is there something
                                        better to do than to wait? */
-    bool (*holds)(void *context); /* asked before files change: is the run still this program's? */
+    enum rk_status (*check)(void *context, struct rk_error *err); /* before files change: is the run
+                                       still this program's? RK_ECONFLICT: no; RK_EIO */
     void *context;
     const struct rk_worker *worker; /* whose claims on beds are; NULL: nobody else is at work */
     double checkpoint_every;        /* seconds between two checkpoints; 0: at every sample */

@@ -73,7 +73,7 @@ static void beat(struct rk_crew *crew, struct rk_work *work) {
     pthread_mutex_unlock(&crew->mutex);
     rk_worker_beat(crew->worker, work, NULL);
     rk_claim_release_owed(crew->worker);
-    if (!rk_worker_known(crew->worker)) {
+    if (!rk_worker_known(crew->worker, true)) {
         rk_crew_lost(crew);
     }
 }

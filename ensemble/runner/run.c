@@ -28,9 +28,7 @@ struct work {
 
 /* Others take a program for dead that gave no sign of life for long, and go on with its runs. */
 static enum rk_status still_ours(const struct work *w, struct rk_error *err) {
-    return !w->hooks->holds || w->hooks->holds(w->hooks->context)
-               ? RK_OK
-               : rk_fail(err, RK_ECONFLICT, "another program has taken over run %s", w->run->id);
+    return w->hooks->check ? w->hooks->check(w->hooks->context, err) : RK_OK;
 }
 
 static enum rk_status checkpoint(struct work *w, struct rk_error *err) {

@@ -80,6 +80,12 @@ static void say_who(struct rk_crew *crew, const char *format) {
     }
 }
 
+static void tell_anyway(struct rk_crew *crew) {
+    pthread_mutex_lock(&crew->mutex);
+    rk_crew_tell(crew, true);
+    pthread_mutex_unlock(&crew->mutex);
+}
+
 /* Whose runs are being done elsewhere stays, to take them over should that one die. */
 static enum rk_status work(struct rk_crew *crew, struct rk_error *err) {
     const struct timespec pause = {.tv_nsec = 100000000};
@@ -95,7 +101,7 @@ static enum rk_status work(struct rk_crew *crew, struct rk_error *err) {
         }
         nanosleep(&pause, NULL);
     }
-    rk_crew_tell(crew, true);
+    tell_anyway(crew);
     return status;
 }
 
@@ -114,7 +120,7 @@ static enum rk_status review_and_work(struct rk_crew *crew, struct rk_error *err
     if (status == RK_OK) {
         count_up(crew);
         rk_crew_list(crew, RK_RUN_WAITING);
-        rk_crew_tell(crew, true);
+        tell_anyway(crew);
     }
     if (rk_ranks_count(ranks) > 1) {
         crew->dealing = status == RK_OK;
@@ -158,20 +164,24 @@ static void note_effort(struct rk_crew *crew, double since) {
 }
 
 /* Whoever leaves last builds the index: of two that leave at once each may think so, and both may
- * be right. Who was taken for dead leaves it to those who did so. */
+ * be right. Who was taken for dead leaves it to those who did so. What cannot be tidied away is in
+ * nobody's way. */
 static enum rk_status leave(struct rk_crew *crew, struct rk_error *err) {
     char who[96];
     struct rk_error why = RK_NO_ERROR;
-    enum rk_status status = rk_beds_tidy(crew->worker, err);
-    if (status == RK_OK && rk_worker_retire(crew->worker, &why) != RK_OK) {
-        if (why.status == RK_ECONFLICT) {
-            rk_crew_lost(crew);
-            return RK_OK;
-        }
+    if (rk_beds_tidy(crew->worker, &why) != RK_OK) {
+        rk_crew_message(crew, why.message);
+    }
+    enum rk_status status = rk_worker_retire(crew->worker, &why);
+    if (status == RK_ECONFLICT) {
+        rk_crew_lost(crew);
+        return RK_OK;
+    }
+    if (status != RK_OK) {
         return rk_fail_as(err, &why);
     }
-    if (status != RK_OK || rk_store_shared(crew->store, who)) {
-        return status;
+    if (rk_store_shared(crew->store, who)) {
+        return RK_OK;
     }
     rk_claim_sweep(crew->worker);
     return rk_index_refresh(crew->folder, crew->plan, err);
@@ -218,7 +228,12 @@ enum rk_status rk_runner_run(const struct rk_plan *plan, struct rk_store *store,
     free(crew.states);
     free(crew.berths);
     if (status == RK_OK && report->missing > 0 && rk_ranks_number(options->ranks) == 0) {
-        status = rk_fail(err, RK_EINTERRUPTED, "stopped on request");
+        status = report->interrupted
+                     ? rk_fail(err, RK_EINTERRUPTED, "stopped on request")
+                     : rk_fail(err, RK_EIO,
+                               "%zu runs are left to the programs that took this one "
+                               "for dead",
+                               report->missing);
     }
     return status;
 }

@@ -80,7 +80,7 @@ static enum rk_status take(const struct rk_worker *me, const struct rk_thing *th
         }
         status = walk(me, thing, end, err);
         if (status == RK_OK && *made && !is_mine(me, end)) {
-            if (!rk_worker_known(me)) {
+            if (!rk_worker_known(me, false)) {
                 break; /* others may have gone on from this link */
             }
             unlink(link.text);
@@ -114,9 +114,14 @@ enum rk_status rk_claim_take(const struct rk_worker *me, const struct rk_thing *
     return status;
 }
 
-bool rk_claim_holds(const struct rk_worker *me, const struct rk_thing *thing) {
+enum rk_status rk_claim_check(const struct rk_worker *me, const struct rk_thing *thing,
+                              struct rk_error *err) {
     struct end end;
-    return rk_worker_known(me) && walk(me, thing, &end, NULL) == RK_OK && is_mine(me, &end);
+    enum rk_status status = walk(me, thing, &end, err);
+    if (status == RK_OK && !(rk_worker_known(me, true) && is_mine(me, &end))) {
+        status = rk_fail(err, RK_ECONFLICT, "another program has taken over %s", thing->name);
+    }
+    return status;
 }
 
 /* ---- Giving back ---- */
@@ -165,10 +170,11 @@ enum rk_status rk_claim_release(const struct rk_worker *me, const struct rk_thin
 }
 
 void rk_claim_release_owed(const struct rk_worker *me) {
+    struct rk_held *held = rk_worker_held(me);
     struct rk_thing thing;
-    bool finished, fine = true;
-    while (fine && rk_held_owed(rk_worker_held(me), &thing, &finished)) {
-        fine = rk_claim_release(me, &thing, finished, NULL) == RK_OK;
+    bool finished;
+    for (size_t n = rk_held_count_owed(held); n > 0 && rk_held_owed(held, &thing, &finished); n--) {
+        rk_claim_release(me, &thing, finished, NULL);
     }
 }
 

@@ -29,8 +29,10 @@ struct rk_thing rk_thing_bed(const char *bed);
 enum rk_status rk_claim_take(const struct rk_worker *me, const struct rk_thing *thing, bool *mine,
                              char holder[RK_WORKER_NAME], struct rk_error *err);
 
-/* Does `me` still hold what it claimed? False when it was taken for dead. */
-bool rk_claim_holds(const struct rk_worker *me, const struct rk_thing *thing);
+/* Does `me` still hold what it claimed? RK_ECONFLICT: no, it was taken for dead. RK_EIO: the file
+ * system does not say. */
+enum rk_status rk_claim_check(const struct rk_worker *me, const struct rk_thing *thing,
+                              struct rk_error *err);
 
 /* Give a claim back. Of a thing that is `finished` every trace goes. RK_EIO: it is still there, and
  * is owed: whoever of `me`'s threads takes it next has it, others wait until it is given back. */

@@ -69,12 +69,28 @@ void rk_held_leave(struct rk_held *held, const struct rk_thing *thing) {
 
 void rk_held_owe(struct rk_held *held, const struct rk_thing *thing, bool finished) {
     pthread_mutex_lock(&held->mutex);
-    struct entry *e = *find(held, thing);
+    struct entry **at = find(held, thing), *e = *at;
     if (e) {
         e->owed = true;
         e->finished = finished;
+        *at = e->next;
+        e->next = NULL;
+        while (*at) {
+            at = &(*at)->next;
+        }
+        *at = e;
     }
     pthread_mutex_unlock(&held->mutex);
+}
+
+size_t rk_held_count_owed(struct rk_held *held) {
+    size_t count = 0;
+    pthread_mutex_lock(&held->mutex);
+    for (const struct entry *e = held->first; e; e = e->next) {
+        count += e->owed;
+    }
+    pthread_mutex_unlock(&held->mutex);
+    return count;
 }
 
 bool rk_held_owed(struct rk_held *held, struct rk_thing *thing, bool *finished) {

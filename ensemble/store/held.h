@@ -32,9 +32,10 @@ enum rk_status rk_held_enter(struct rk_held *held, const struct rk_thing *thing,
                              struct rk_error *err);
 /* The calling thread has it no more. */
 void rk_held_leave(struct rk_held *held, const struct rk_thing *thing);
-/* Nor has it, but its claim is still there. */
+/* Nor has it, but its claim is still there; it comes after what is owed already. */
 void rk_held_owe(struct rk_held *held, const struct rk_thing *thing, bool finished);
 /* Something that is owed: the calling thread's from here on. False: nothing is. */
 bool rk_held_owed(struct rk_held *held, struct rk_thing *thing, bool *finished);
+size_t rk_held_count_owed(struct rk_held *held);
 
 #endif

@@ -3,6 +3,7 @@
 #include "ensemble/store/hdf5_file.h"
 #include "ensemble/store/seal.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -97,10 +98,12 @@ static void read_contacts(struct rk_h5 *h5, struct contacts *c) {
 
 static bool is_whole(const struct contacts *c) {
     double sum = 0;
+    bool counts = true;
     for (size_t k = 0; k < c->frames; k++) {
+        counts = counts && c->count[k] >= 0 && c->count[k] == floor(c->count[k]);
         sum += c->count[k];
     }
-    return c->period >= 1 && c->steps == c->frames && c->seconds == c->forces &&
+    return counts && c->period >= 1 && c->steps == c->frames && c->seconds == c->forces &&
            sum == (double)c->forces;
 }
 

@@ -85,10 +85,14 @@ bool rk_worker_lives(const struct rk_worker *me, const char *name) {
     return lives;
 }
 
-bool rk_worker_known(const struct rk_worker *worker) {
+bool rk_worker_known(const struct rk_worker *worker, bool untold) {
     struct stat mine, there;
-    return fstat(worker->file, &mine) == 0 && stat(worker->path.text, &there) == 0 &&
-           mine.st_ino == there.st_ino && mine.st_dev == there.st_dev;
+    if (stat(worker->path.text, &there) != 0) {
+        return errno != ENOENT && untold;
+    }
+    return fstat(worker->file, &mine) != 0
+               ? untold
+               : mine.st_ino == there.st_ino && mine.st_dev == there.st_dev;
 }
 
 /* ---- Coming and going ---- */

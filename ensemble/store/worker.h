@@ -63,8 +63,8 @@ struct rk_work {
 enum rk_status rk_worker_beat(struct rk_worker *worker, const struct rk_work *work,
                               struct rk_error *err);
 
-/* Has nobody taken this worker for dead? */
-bool rk_worker_known(const struct rk_worker *worker);
+/* Has nobody taken this worker for dead? `untold` where the file system does not say. */
+bool rk_worker_known(const struct rk_worker *worker, bool untold);
 
 /* Is the worker of that name alive? If not its record is removed. */
 bool rk_worker_lives(const struct rk_worker *me, const char *name);

@@ -77,9 +77,10 @@ static int contend(const struct fixture *f, unsigned seed) {
             continue;
         }
         int file;
-        bool is_alone = alone(f, thing, &file), holds = rk_claim_holds(me, thing);
+        bool is_alone = alone(f, thing, &file), holds = rk_claim_check(me, thing, NULL) == RK_OK;
         if (!is_alone || !holds) {
-            fprintf(stderr, "alone %d, holds %d, known %d\n", is_alone, holds, rk_worker_known(me));
+            fprintf(stderr, "alone %d, holds %d, known %d\n", is_alone, holds,
+                    rk_worker_known(me, true));
             return 1;
         }
         takes++;
@@ -118,7 +119,7 @@ static void expect_no_claim_left(const struct fixture *f) {
         assert_false(again);
         assert_string_equal(holder, rk_worker_name(me));
         assert_int_equal(rk_claim_release(me, &f->things[i], true, &err), RK_OK);
-        assert_false(rk_claim_holds(me, &f->things[i]));
+        assert_int_equal(rk_claim_check(me, &f->things[i], NULL), RK_ECONFLICT);
     }
     rk_claim_sweep(me);
     rk_worker_end(me);
@@ -285,6 +286,34 @@ static void a_failing_look_keeps_nobody_out(void **state) {
     rk_worker_end(me);
 }
 
+/* Whether a claim is still held is not told by a look that fails; and a debt that cannot be paid
+ * keeps no other from being paid. */
+static void a_look_that_fails_is_no_answer(void **state) {
+    const struct fixture *f = *state;
+    struct rk_worker *me, *other;
+    struct rk_error err = RK_NO_ERROR;
+    assert_int_equal(rk_worker_begin(f->folder, &me, NULL), RK_OK);
+    assert_int_equal(rk_worker_begin(f->folder, &other, NULL), RK_OK);
+    assert_true(takes(me, &f->things[0]) && takes(me, &f->things[1]));
+    atomic_store(&readlinks_fail, 1);
+    assert_int_equal(rk_claim_check(me, &f->things[0], &err), RK_EIO);
+    assert_int_equal(rk_claim_check(me, &f->things[0], &err), RK_OK);
+    assert_int_equal(rk_claim_check(other, &f->things[0], &err), RK_ECONFLICT);
+    for (int i = 0; i < 2; i++) {
+        atomic_store(&unlinks_fail, 1);
+        assert_int_equal(rk_claim_release(me, &f->things[i], true, &err), RK_EIO);
+    }
+    atomic_store(&unlinks_fail, 1);
+    rk_claim_release_owed(me); /* the first fails, the second goes */
+    assert_true(!takes(other, &f->things[0]) && takes(other, &f->things[1]));
+    rk_claim_release_owed(me);
+    assert_true(takes(other, &f->things[0]));
+    assert_int_equal(rk_claim_release(other, &f->things[0], true, &err), RK_OK);
+    assert_int_equal(rk_claim_release(other, &f->things[1], true, &err), RK_OK);
+    rk_worker_end(other);
+    rk_worker_end(me);
+}
+
 /* What is said in a record is read back, and the temporary files of the dead go. */
 static void records_are_read_back(void **state) {
     const struct fixture *f = *state;
@@ -327,11 +356,11 @@ static void the_buried_are_told(void **state) {
     struct rk_worker *me;
     struct rk_error err = RK_NO_ERROR;
     assert_int_equal(rk_worker_begin(f->folder, &me, &err), RK_OK);
-    assert_true(rk_worker_known(me));
+    assert_true(rk_worker_known(me, false));
     char name[300];
     snprintf(name, sizeof name, "at_work/%s", rk_worker_name(me));
     assert_int_equal(unlink(scratch_path(f->folder, name)), 0);
-    assert_false(rk_worker_known(me));
+    assert_false(rk_worker_known(me, true));
     assert_int_equal(rk_worker_retire(me, &err), RK_ECONFLICT);
     rk_worker_end(me);
 }
@@ -343,6 +372,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(threads_exclude_each_other, make, clear),
         cmocka_unit_test_setup_teardown(what_could_not_be_given_back_is_owed, make, clear),
         cmocka_unit_test_setup_teardown(a_failing_look_keeps_nobody_out, make, clear),
+        cmocka_unit_test_setup_teardown(a_look_that_fails_is_no_answer, make, clear),
         cmocka_unit_test_setup_teardown(nobody_shares_a_claim, make, clear),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
