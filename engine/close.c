@@ -8,6 +8,9 @@
 
 #include <stdlib.h>
 
+/* Kernels look at this many entries behind those whose forces they work out. */
+enum { AHEAD = 2 * RK_BLOCK };
+
 static size_t whole_blocks(size_t count) {
     return (count + RK_BLOCK - 1) / RK_BLOCK * RK_BLOCK;
 }
@@ -113,10 +116,10 @@ struct rk_close rk_close_from(const struct rk_close *close, size_t at) {
     return part;
 }
 
-/* A block more than there can be: pairs are written before they are known to be close. */
+/* Pairs are written before they are known to be close: so a block more than there can be. */
 static size_t room_of(const struct rk_share *share) {
     size_t ghosts = whole_blocks(share->ghost_end - share->ghost_begin) + RK_BLOCK;
-    return ghosts + whole_blocks(share->pair_end - share->pair_begin) + RK_BLOCK;
+    return ghosts + whole_blocks(share->pair_end - share->pair_begin) + RK_BLOCK + AHEAD;
 }
 
 enum rk_status rk_close_reserve(struct rk_scene *scene, struct rk_error *err) {
@@ -173,11 +176,12 @@ void rk_close_return(struct rk_scene *scene, size_t share) {
     }
 }
 
-/* Fillers from entry c on to the next block: a pair of one grain with itself, of radii so small
- * that it does not touch and nothing is divided by 0. */
+/* Fillers from entry c on to the next block and as far ahead as kernels look: a pair of one grain
+ * with itself, of radii so small that it does not touch and nothing is divided by 0. */
 static void fill_up(const struct rk_share *share, size_t c) {
     const struct rk_close *close = &share->close;
-    for (; c % RK_BLOCK != 0; c++) {
+    const size_t end = whole_blocks(c) + AHEAD;
+    for (; c < end; c++) {
         close->first[c] = close->second[c] = (uint32_t)(RK_ROW_WIDTH * share->begin);
         close->reach[c] = 2e-200;
         if (close->shift) {

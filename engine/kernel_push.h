@@ -71,39 +71,51 @@ static INLINE void mix(const struct rk_contact_law *law, const uint32_t *materia
     }
 }
 
-/* How LANES close pairs lie and move. */
+/* How the second grains of LANES close pairs lie and move as their first grains see it. */
+struct sight {
+    lanes dx, dy, ux, uy;
+    lanes d2, reach;
+    lanes_mask touch;
+};
+
+/* Close pairs c to c + LANES. */
+static INLINE struct sight look(const struct rk_grains *grains, const struct rk_close *close,
+                                size_t c) {
+    struct sight s;
+    lanes_row_differences(grains->motion, close->first + c, close->second + c, &s.dx, &s.dy, &s.ux,
+                          &s.uy);
+    if (close->shift) {
+        s.dx += lanes_load(close->shift + c);
+    }
+    s.reach = lanes_load(close->reach + c);
+    s.d2 = s.dx * s.dx + s.dy * s.dy;
+    s.touch = lanes_below(s.d2, s.reach * s.reach);
+    s.d2 = lanes_choose(s.touch, s.d2, lanes_all(1)); /* all numbers stay finite */
+    return s;
+}
+
+/* The same along the line of their centres. */
 struct view {
     lanes nx, ny, ux, uy;
     lanes overlap, share; /* share: distance over the sum of the radii */
     lanes_mask touch;
 };
 
-/* Close pairs c to c + LANES. */
-static INLINE struct view measure(const struct flavour f, const struct rk_grains *grains,
-                                  const struct rk_close *close, size_t c) {
-    const lanes one = lanes_all(1);
-    lanes dx, dy, ux, uy, reach = lanes_load(close->reach + c);
-    lanes_row_differences(grains->motion, close->first + c, close->second + c, &dx, &dy, &ux, &uy);
-    if (close->shift) {
-        dx += lanes_load(close->shift + c);
-    }
-    lanes d2 = dx * dx + dy * dy;
-    const lanes_mask touch = lanes_below(d2, reach * reach);
-    d2 = lanes_choose(touch, d2, one); /* all numbers stay finite */
-    lanes distance = lanes_root(d2), quotient = one, inverse;
+static INLINE struct view measure(const struct flavour f, const struct sight *s) {
+    lanes distance = lanes_root(s->d2), quotient = lanes_all(1), inverse;
     if (f.tangent == RK_SMOOTH) {
-        inverse = distance * (1 / d2); /* root and division at the same time */
+        inverse = distance * (1 / s->d2); /* root and division at the same time */
     } else {
-        quotient = 1 / (distance * reach); /* one division for the two that are needed */
-        inverse = reach * quotient;
+        quotient = 1 / (distance * s->reach); /* one division for the two that are needed */
+        inverse = s->reach * quotient;
     }
-    return (struct view){.nx = dx * inverse,
-                         .ny = dy * inverse,
-                         .ux = ux,
-                         .uy = uy,
-                         .overlap = reach - distance,
-                         .share = f.tangent != RK_SMOOTH ? d2 * quotient : one,
-                         .touch = touch};
+    return (struct view){.nx = s->dx * inverse,
+                         .ny = s->dy * inverse,
+                         .ux = s->ux,
+                         .uy = s->uy,
+                         .overlap = s->reach - distance,
+                         .share = s->d2 * quotient,
+                         .touch = s->touch};
 }
 
 /* Those that do not touch get a force of 0 and nothing to remember. */
@@ -213,21 +225,25 @@ static INLINE void give(bool rotates, bool inner, double *force, const double *r
     }
 }
 
-/* Close pairs begin to end; gives how many touch. Each round looks at the next pairs before it
- * deals with those it has looked at: roots and quotients of the ones are worked out while the
- * others are summed. */
+/* Close pairs begin to end; gives how many touch. Three groups of them are under way at any time:
+ * while the forces of one are summed, roots and quotients of the next are worked out and the rows
+ * of the one behind that are brought together, so that none of these waits for another. What lies
+ * behind the last pairs is looked at too: engine/close.h. */
 static INLINE size_t push_stretch(const struct flavour f, bool inner,
                                   const struct rk_grains *grains, const struct rk_contact_law *law,
                                   const struct rk_close *close, size_t begin, size_t end) {
     _Alignas(RK_CACHE_LINE) double rows[4 * LANES];
     size_t touching = 0;
-    struct view view, next;
-    if (begin < end) {
-        next = measure(f, grains, close, begin);
+    if (begin >= end) {
+        return 0;
     }
+    struct sight sight = look(grains, close, begin);
+    struct view view, next = measure(f, &sight);
+    sight = look(grains, close, begin + LANES);
     for (size_t c = begin; c < end; c += LANES) {
         view = next;
-        next = measure(f, grains, close, c + LANES < end ? c + LANES : c);
+        next = measure(f, &sight);
+        sight = look(grains, close, c + 2 * LANES);
         decide(f, grains, law, close, c, &view, rows);
         give(f.tangent != RK_SMOOTH, inner, grains->force, rows, close, c);
         touching += lanes_tally(view.touch);
