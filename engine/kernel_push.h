@@ -11,7 +11,8 @@ struct flavour {
 
 /* Eight contacts, of pairs or at walls: what the laws of engine/contact.h are functions of. */
 struct meeting {
-    lanes overlap, rate, slip, spin;
+    lanes overlap, parting; /* parting = - d(overlap)/dt */
+    lanes slip, spin;
     lanes reduced_radius, reduced_mass;
     lanes rough; /* 0 at a smooth wall */
     lanes ease;  /* implicit: of the two grains together */
@@ -30,14 +31,14 @@ static INLINE struct answer resist(const struct flavour f, const struct rk_conta
     struct answer a = {lanes_all(0), ft, moment};
     lanes dashpot = a.fn;
     if (f.normal == RK_LINEAR) {
-        a.fn = law_linear(m->overlap, m->rate, COEFFICIENT(kn), COEFFICIENT(gamma));
+        a.fn = law_linear(m->overlap, m->parting, COEFFICIENT(kn), COEFFICIENT(gamma));
         dashpot = f.implicit ? COEFFICIENT(gamma) : dashpot;
     } else if (f.normal == RK_MASS_DAMPED) {
-        a.fn = law_mass_damped(m->overlap, m->rate, m->reduced_mass, COEFFICIENT(kn),
+        a.fn = law_mass_damped(m->overlap, m->parting, m->reduced_mass, COEFFICIENT(kn),
                                COEFFICIENT(gamma));
         dashpot = f.implicit ? COEFFICIENT(gamma) * m->reduced_mass : dashpot;
     } else {
-        a.fn = law_viscoelastic(m->overlap, m->rate, m->reduced_radius, COEFFICIENT(young),
+        a.fn = law_viscoelastic(m->overlap, m->parting, m->reduced_radius, COEFFICIENT(young),
                                 COEFFICIENT(loss));
         dashpot = f.implicit ? COEFFICIENT(young) * COEFFICIENT(loss) *
                                    lanes_root(m->reduced_radius * m->overlap)
@@ -90,11 +91,11 @@ static INLINE struct sight look(const struct rk_grains *grains, const struct rk_
     s.reach = lanes_load(close->reach + c);
     s.d2 = s.dx * s.dx + s.dy * s.dy;
     s.touch = lanes_below(s.d2, s.reach * s.reach);
-    s.d2 = lanes_choose(s.touch, s.d2, lanes_all(1)); /* all numbers stay finite */
     return s;
 }
 
-/* The same along the line of their centres. */
+/* The same along the line of their centres; of those that do not touch all but ux and uy is 0, and
+ * so is what the laws make of it. */
 struct view {
     lanes nx, ny, ux, uy;
     lanes overlap, share; /* share: distance over the sum of the radii */
@@ -102,23 +103,24 @@ struct view {
 };
 
 static INLINE struct view measure(const struct flavour f, const struct sight *s) {
-    lanes distance = lanes_root(s->d2), quotient = lanes_all(1), inverse;
-    if (f.tangent == RK_SMOOTH) {
-        inverse = distance * (1 / s->d2); /* root and division at the same time */
-    } else {
-        quotient = 1 / (distance * s->reach); /* one division for the two that are needed */
+    lanes distance = lanes_only(s->touch, lanes_root(s->d2)), quotient = lanes_all(0), inverse;
+    if (f.tangent == RK_SMOOTH) { /* root and division at the same time */
+        inverse = distance * lanes_only(s->touch, 1 / s->d2);
+    } else { /* one division for the two that are needed */
+        quotient = lanes_only(s->touch, 1 / (distance * s->reach));
         inverse = s->reach * quotient;
     }
     return (struct view){.nx = s->dx * inverse,
                          .ny = s->dy * inverse,
                          .ux = s->ux,
                          .uy = s->uy,
-                         .overlap = s->reach - distance,
-                         .share = s->d2 * quotient,
+                         .overlap = lanes_only(s->touch, s->reach - distance),
+                         .share = lanes_only(s->touch, s->d2 * quotient),
                          .touch = s->touch};
 }
 
-/* Those that do not touch get a force of 0 and nothing to remember. */
+/* Those that do not touch get a force of 0, even where it is relaxed from an earlier one, and
+ * nothing to remember. */
 static INLINE void decide(const struct flavour f, const struct rk_grains *grains,
                           const struct rk_contact_law *law, const struct rk_close *close, size_t c,
                           const struct view *v, double *rows) {
@@ -130,7 +132,7 @@ static INLINE void decide(const struct flavour f, const struct rk_grains *grains
     lanes ux = v->ux, uy = v->uy;
     lanes fn = lanes_all(0), ft = fn, moment = fn, radius_i = fn, radius_j = fn;
     lanes arm_i = fn, arm_j = fn;
-    m.rate = -(ux * nx + uy * ny);
+    m.parting = ux * nx + uy * ny;
     if (rotates || f.normal == RK_VISCOELASTIC) {
         radius_i = lanes_load(close->radius_first + c);
         radius_j = lanes_load(close->radius_second + c);
@@ -166,7 +168,7 @@ static INLINE void decide(const struct flavour f, const struct rk_grains *grains
         moment = lanes_load(close->history[RK_HISTORY_MOMENT] + c);
     }
     struct answer a = resist(f, law, index, &m, fn, ft, moment);
-    a.fn = lanes_only(v->touch, a.fn);
+    a.fn = f.implicit ? lanes_only(v->touch, a.fn) : a.fn;
     lanes_store(close->history[RK_HISTORY_FN] + c, a.fn);
     lanes fx = a.fn * nx, fy = a.fn * ny;
     if (!rotates) {
@@ -283,7 +285,7 @@ static INLINE void press(const struct flavour f, struct rk_grains *grains,
         lanes uy = lanes_load(touching->vy + c) - lanes_gather_column(grains->motion + 3, i);
         lanes radius = lanes_gather(grains->radius, i), fn = none, ft = none, moment = none;
         m.overlap = lanes_load(touching->overlap + c);
-        m.rate = -(ux * nx + uy * ny);
+        m.parting = ux * nx + uy * ny;
         m.reduced_radius = radius;
         m.reduced_mass = lanes_gather(grains->mass, i);
         if (rotates) {
