@@ -118,6 +118,19 @@ static enum rk_status check_overlaps(const struct rk_scene *scene, struct rk_err
     return RK_OK;
 }
 
+/* The farthest that a point of a wall may have moved in a step by turning alone: without end where
+ * a line turns, as in the lists of wall_near.c. What turns with a group is in its grains' moves. */
+static double swept(const struct rk_scene *scene) {
+    double most = 0;
+    for (size_t w = 0; w < scene->wall_count; w++) {
+        const struct rk_wall *wall = &scene->walls[w];
+        if (wall->mover.pose.turn != 0) { /* 0 times infinity is no number */
+            most = fmax(most, fabs(wall->mover.pose.turn) * wall->extent * scene->spec.dt);
+        }
+    }
+    return most;
+}
+
 /* The farthest that two bodies may have moved against each other in a step. */
 static double farthest(const struct rk_scene *scene, const struct rk_bounds *move) {
     double span[2];
@@ -132,7 +145,7 @@ static double farthest(const struct rk_scene *scene, const struct rk_bounds *mov
         }
         span[k] = high - low;
     }
-    return hypot(span[0], span[1]);
+    return hypot(span[0], span[1]) + swept(scene);
 }
 
 bool rk_health_due(const struct rk_scene *scene, uint64_t steps, const struct rk_bounds *move) {

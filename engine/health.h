@@ -10,7 +10,9 @@ enum rk_status rk_health_check(const struct rk_scene *scene, struct rk_error *er
 /* Is a check due after a step in which grains moved within these bounds? Every health.every steps;
  * while something moves farther than health.travel in one step; and else as often as it takes for
  * nothing to move by more than half the smallest radius, against anything else, between two
- * checks. It looks at this step alone, so a resumed run checks at the same steps. */
+ * checks; a wall moves by what its drive shifts it and by |turn| dt times its extent from the
+ * pivot, so where a line turns, which has no end, every step is checked. It looks at this step
+ * alone, so a resumed run checks at the same steps. */
 bool rk_health_due(const struct rk_scene *scene, uint64_t steps, const struct rk_bounds *move);
 
 #endif
