@@ -4,7 +4,15 @@
 
 #include "engine/scene.h"
 
-/* RK_EUNSTABLE with time, grain, value and the largest stable dt; the scene is not touched. */
+/* RK_EUNSTABLE with time, grain, value and the largest stable dt; the scene is not touched.
+ *
+ * Energy created from nothing is found where there is a ledger (engine/ledger.h), if
+ *     residual - elastic > energy input        energy = health.energy, elastic of normal springs
+ * now and the grain that is named is the fastest. Velocity Verlet keeps m v^2/2 + kn delta^2/2 (1 -
+ * (w dt/2)^2): at a stable dt, w dt < 2, the residual is off by less than what springs hold and
+ * comes back when they let go; what is beyond that has been created, a chance of each contact's
+ * first and last step, or without end above the stable dt. What rk_scene_slow_down takes out is in
+ * no account, and may hide as much. */
 enum rk_status rk_health_check(const struct rk_scene *scene, struct rk_error *err);
 
 /* Is a check due after a step in which grains moved within these bounds? Every health.every steps;

@@ -307,6 +307,7 @@ static void strange_numbers_are_refused(void **state) {
         offsetof(struct rk_scene_spec, accuracy.skin),
         offsetof(struct rk_scene_spec, health.overlap),
         offsetof(struct rk_scene_spec, health.travel),
+        offsetof(struct rk_scene_spec, health.energy),
     };
     for (size_t p = 0; p < sizeof places / sizeof *places; p++) {
         for (int k = 0; k < 4; k++) {
