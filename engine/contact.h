@@ -12,8 +12,10 @@
  * law M  = the rolling resistance of wi - wj and fn       engine/rolling_spring.h force on j: fn n
  * + ft t, on i the opposite;  torques -li ft - M on i, -lj ft + M on j
  *
- * A wall is the limit of an infinitely large and heavy partner: its lever arm never enters, the
- * grain's is R, the reduced mass and radius are the grain's own.
+ * A wall is the limit of an infinitely large and heavy partner: the grain's lever arm is R, the
+ * reduced mass and radius are the grain's own. The wall is touched R from the grain's centre: its
+ * velocity is that of this point of it, and its torque is of the force there, about its pivot. So
+ * grain and wall together keep angular momentum, which drifts by ft delta with any other point.
  *
  * Two materials mix as springs and dashpots in series, scaled so that equals give themselves:
  * kn, kt, gamma, gamma_t are harmonic means; mu and mu_rolling geometric means (a smooth partner

@@ -169,6 +169,8 @@ struct rk_ledger {
     double gravity, walls, groups, growth; /* work done on the grains */
     double damping, friction, rolling;
     double residual;
+    double
+        input; /* start, and all work while it was above 0: what came in, even if it went again */
 };
 bool rk_scene_ledger(const struct rk_scene *scene, struct rk_ledger *out);
 /* Of one wall: the work it has done on the grains, what its contacts have taken; 0 without. */

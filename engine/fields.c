@@ -77,6 +77,7 @@ static const struct rk_field ledger_rows[] = {
     {"damping_rate", RK_FIELD_F64, LEDGER(rates.damping), RK_IF_LEDGER, "its rate at present"},
     {"friction_rate", RK_FIELD_F64, LEDGER(rates.friction), RK_IF_LEDGER, "its rate at present"},
     {"rolling_rate", RK_FIELD_F64, LEDGER(rates.rolling), RK_IF_LEDGER, "its rate at present"},
+    {"gains", RK_FIELD_F64, LEDGER(gains), RK_IF_LEDGER, "of the work what went in"},
     {"start", RK_FIELD_F64, LEDGER(start), RK_IF_LEDGER,
      "row 0: energy at the beginning; row 1: has it begun?"},
 };

@@ -118,6 +118,49 @@ static enum rk_status check_overlaps(const struct rk_scene *scene, struct rk_err
     return RK_OK;
 }
 
+static size_t fastest(const struct rk_grains *g) {
+    size_t fastest = 0;
+    double most = 0;
+    for (size_t i = 0; i < g->count; i++) {
+        double square = g->vx[i] * g->vx[i] + g->vy[i] * g->vy[i];
+        if (square > most && !rk_grain_carried(g, i)) {
+            fastest = i;
+            most = square;
+        }
+    }
+    return fastest;
+}
+
+static enum rk_status check_energy(const struct rk_scene *scene, struct rk_error *err) {
+    const double limit = scene->spec.health.energy > 0 ? scene->spec.health.energy : 0.5;
+    struct rk_ledger ledger;
+    if (!rk_scene_ledger(scene, &ledger)) {
+        return RK_OK;
+    }
+    struct rk_energy energy = rk_scene_energy(scene);
+    double created = ledger.residual - (energy.elastic - energy.sheared);
+    if (created > limit * ledger.input) {
+        return nonsense(scene, fastest(&scene->grains), err,
+                        "is the fastest of grains with energy created from nothing, as a share of "
+                        "all that has gone in",
+                        created / ledger.input, limit);
+    }
+    return RK_OK;
+}
+
+/* The farthest that a point of a wall may have moved in a step by turning alone: without end where
+ * a line turns, as in the lists of wall_near.c. What turns with a group is in its grains' moves. */
+static double swept(const struct rk_scene *scene) {
+    double most = 0;
+    for (size_t w = 0; w < scene->wall_count; w++) {
+        const struct rk_wall *wall = &scene->walls[w];
+        if (wall->mover.pose.turn != 0) { /* 0 times infinity is no number */
+            most = fmax(most, fabs(wall->mover.pose.turn) * wall->extent * scene->spec.dt);
+        }
+    }
+    return most;
+}
+
 /* The farthest that two bodies may have moved against each other in a step. */
 static double farthest(const struct rk_scene *scene, const struct rk_bounds *move) {
     double span[2];
@@ -132,7 +175,7 @@ static double farthest(const struct rk_scene *scene, const struct rk_bounds *mov
         }
         span[k] = high - low;
     }
-    return hypot(span[0], span[1]);
+    return hypot(span[0], span[1]) + swept(scene);
 }
 
 bool rk_health_due(const struct rk_scene *scene, uint64_t steps, const struct rk_bounds *move) {
@@ -173,7 +216,10 @@ enum rk_status rk_health_check(const struct rk_scene *scene, struct rk_error *er
     if (status == RK_OK) {
         status = check_lids(scene, err);
     }
-    return status ? status : check_overlaps(scene, err);
+    if (status == RK_OK) {
+        status = check_overlaps(scene, err);
+    }
+    return status ? status : check_energy(scene, err);
 }
 
 struct rk_strain rk_scene_strain(const struct rk_scene *scene) {

@@ -183,6 +183,7 @@ void rk_ledger_begin(struct rk_scene *scene) {
     double *start = scene->ledger.start;
     for (size_t row = 0; start[1] == 0 && row < scene->ledger.count; row++) {
         sums->work[row] = sums->damping[row] = sums->friction[row] = sums->rolling[row] = 0;
+        scene->ledger.gains[row] = 0;
     }
     if (start[1] == 0) {
         start[0] = present_energy(scene);
@@ -200,6 +201,7 @@ static void add_half_step(struct rk_scene *scene) {
     double half = 0.5 * scene->spec.dt;
     for (size_t row = 0; row < scene->ledger.count; row++) {
         sums->work[row] += half * rates->work[row];
+        scene->ledger.gains[row] += rates->work[row] > 0 ? half * rates->work[row] : 0;
         sums->damping[row] += half * rates->damping[row];
         sums->friction[row] += half * rates->friction[row];
         sums->rolling[row] += half * rates->rolling[row];
@@ -221,6 +223,7 @@ bool rk_scene_ledger(const struct rk_scene *scene, struct rk_ledger *out) {
     }
     const struct rk_ledger_rows *sums = &scene->ledger.sums;
     *out = (struct rk_ledger){.start = scene->ledger.start[0],
+                              .input = scene->ledger.start[0],
                               .energy = present_energy(scene),
                               .gravity = sums->work[common_row(scene)],
                               .growth = sums->work[growth_row(scene)]};
@@ -228,6 +231,7 @@ bool rk_scene_ledger(const struct rk_scene *scene, struct rk_ledger *out) {
         if (row < common_row(scene)) {
             *(row < scene->spec.walls ? &out->walls : &out->groups) += sums->work[row];
         }
+        out->input += scene->ledger.gains[row];
         out->damping += sums->damping[row];
         out->friction += sums->friction[row];
         out->rolling += sums->rolling[row];

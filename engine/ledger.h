@@ -10,6 +10,9 @@
  * the trapezoidal rule, second order like the integrator. What is left over, the residual, is the
  * discretisation's own error: it shrinks with dt^2.
  *
+ * What has gone in is the start's energy and the work of each row and of gravity while its rate was
+ * above 0, by the same rule: it never falls, and it is what a residual is measured by.
+ *
  * Grains of groups are not among those whose energy counts: what the group they are of does to the
  * others is its work, -(F.v + T omega) of each contact, F and T the force and torque on such a
  * grain and v, omega its velocity and spin.

@@ -263,7 +263,7 @@ size_t rk_scene_memory(const struct rk_scene *scene) {
                    close * scene->close_capacity + near->large_capacity * index +
                    2 * near->cell_capacity * index + scene->grains.capacity / RK_BLOCK + 1 +
                    scene->wall_touching.capacity * (touch + index) +
-                   scene->ledger.count * 9 * real + scene->spec.walls * sizeof *scene->walls +
+                   scene->ledger.count * 10 * real + scene->spec.walls * sizeof *scene->walls +
                    scene->spec.groups * sizeof *scene->groups;
     for (size_t t = 0; t < scene->share_count; t++) {
         bytes += sizeof *scene->shares + scene->shares[t].found.capacity * index;

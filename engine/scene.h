@@ -244,6 +244,7 @@ struct rk_ledger_rows {
 struct rk_ledger_state {
     size_t count; /* one for each mover there may be, one for pairs and gravity, one for growth */
     struct rk_ledger_rows sums, rates;
+    double *gains; /* sums of the work's rates where they are above 0 */
     double *start; /* [0]: kinetic, rotational and elastic energy at the beginning; [1]: 1 once it
                     * has been taken */
 };

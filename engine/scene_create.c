@@ -105,6 +105,11 @@ static enum rk_status check_numbers(const struct rk_scene_spec *spec, struct rk_
                        "and %g",
                        spec->health.overlap, spec->health.travel);
     }
+    if (!(spec->health.energy >= 0) || !isfinite(spec->health.energy)) {
+        return rk_fail(err, RK_EINVALID,
+                       "the limit of energy created must be finite and not below 0, it is %g",
+                       spec->health.energy);
+    }
     return RK_OK;
 }
 

@@ -65,6 +65,8 @@ struct rk_health_spec {
     double overlap; /* largest overlap, as a share of the smaller radius */
     double travel;  /* largest move in one step, as a share of the grain's radius */
     uint64_t every; /* steps between two checks, at most; fewer while grains are fast */
+    double energy;  /* with a ledger: largest energy created from nothing, as a share of all that
+                     * has gone in (engine/health.h); 0: 0.5. No key of studies, they have none */
 };
 enum { RK_HEALTH_PARAMS = 3 };
 extern const struct rk_param rk_health_params[RK_HEALTH_PARAMS];

@@ -67,14 +67,24 @@ static void put(struct rk_scene *scene, size_t w, size_t k, double overlap, cons
     }
 }
 
-/* Velocity of the wall at its point next to a disc at (x, y), a distance off along the normal. */
-static void velocity_at(const struct rk_wall *wall, double x, double y, double distance,
+/* From the pivot to where a disc at (x, y) touches the wall: R from its centre, the disc's own
+ * lever arm, however deep they overlap. So what the one gains of angular momentum the other loses.
+ */
+static void arm_of(const struct rk_wall *wall, double x, double y, double radius,
+                   const double normal[2], double arm[2]) {
+    const struct rk_mover *mover = &wall->mover;
+    arm[0] = x + normal[0] * radius - (mover->pivot[0] + mover->pose.shift[0]);
+    arm[1] = y + normal[1] * radius - (mover->pivot[1] + mover->pose.shift[1]);
+}
+
+/* Velocity of the wall there. */
+static void velocity_at(const struct rk_wall *wall, double x, double y, double radius,
                         const double normal[2], double velocity[2]) {
     const struct rk_pose *pose = &wall->mover.pose;
-    double arm_x = x + normal[0] * distance - (wall->mover.pivot[0] + pose->shift[0]);
-    double arm_y = y + normal[1] * distance - (wall->mover.pivot[1] + pose->shift[1]);
-    velocity[0] = pose->velocity[0] - pose->turn * arm_y;
-    velocity[1] = pose->velocity[1] + pose->turn * arm_x;
+    double arm[2];
+    arm_of(wall, x, y, radius, normal, arm);
+    velocity[0] = pose->velocity[0] - pose->turn * arm[1];
+    velocity[1] = pose->velocity[1] + pose->turn * arm[0];
 }
 
 static void forget(struct rk_near *near, size_t k) {
@@ -102,7 +112,7 @@ static void touch_line(struct rk_scene *scene, size_t w, bool recall) {
             continue;
         }
         if (wall->mover.pose.turn != 0) {
-            velocity_at(wall, place[0], place[1], g->radius[i] - overlap, normal, velocity);
+            velocity_at(wall, place[0], place[1], g->radius[i], normal, velocity);
         }
         put(scene, w, k, overlap, normal, velocity);
     }
@@ -175,7 +185,7 @@ static void touch_shape(struct rk_scene *scene, size_t w, bool recall) {
             rk_pose_outward(&wall->mover.pose, normal, normal);
         }
         if (wall->mover.pose.turn != 0) {
-            velocity_at(wall, x, y, g->radius[i] - overlap, normal, velocity);
+            velocity_at(wall, x, y, g->radius[i], normal, velocity);
         }
         put(scene, w, k, overlap, normal, velocity);
     }
@@ -294,8 +304,6 @@ struct rk_wall_turn rk_scene_wall_turn(const struct rk_scene *scene, size_t wall
     const struct rk_wall_touching *t = &scene->wall_touching;
     const struct rk_grains *g = &scene->grains;
     struct rk_wall_turn turn = {.angle = body->mover.pose.angle, .velocity = body->mover.pose.turn};
-    const double pivot[2] = {body->mover.pivot[0] + body->mover.pose.shift[0],
-                             body->mover.pivot[1] + body->mover.pose.shift[1]};
     for (size_t c = 0; t->capacity > 0 && c < t->count; c++) {
         if (t->wall[c] != wall) {
             continue;
@@ -303,10 +311,10 @@ struct rk_wall_turn rk_scene_wall_turn(const struct rk_scene *scene, size_t wall
         const double *force = t->force + RK_ROW_WIDTH * c;
         uint32_t i = t->grain[c];
         double x = rk_wall_image(scene, body, &body->primitives[t->primitive[c]], g->x[i]);
-        double distance = g->radius[i] - t->overlap[c];
-        turn.torque += (x + t->nx[c] * distance - pivot[0]) * force[1] -
-                       (g->y[i] + t->ny[c] * distance - pivot[1]) * force[0] +
-                       t->history[RK_HISTORY_MOMENT][c];
+        const double normal[2] = {t->nx[c], t->ny[c]};
+        double arm[2];
+        arm_of(body, x, g->y[i], g->radius[i], normal, arm);
+        turn.torque += arm[0] * force[1] - arm[1] * force[0] + t->history[RK_HISTORY_MOMENT][c];
     }
     return turn;
 }

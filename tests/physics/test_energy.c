@@ -32,6 +32,7 @@ static struct rk_scene *collisions(const struct physics *p, double dt, bool ledg
     spec.contact.loss = 0.003;
     spec.accuracy.integrator = p->integrator;
     spec.ledger = ledger;
+    spec.health.every = 10; /* none of this is energy from nothing */
     struct rk_drive_spec drive = {.kind = kit_piece(&rk_drive_registry, "sinusoid"),
                                   .amplitude = 0.2,
                                   .period = 1,
@@ -114,6 +115,7 @@ static struct rk_ledger moved(const char *shape, const char *drive, double dt) {
     spec.contact.mu = 0.4;
     spec.contact.mu_rolling = 0.2;
     spec.ledger = true;
+    spec.health.every = 10;
     bool polygon = strcmp(shape, "polygon") == 0;
     struct rk_wall_spec wall = {
         .shape = kit_piece(&rk_shape_registry, shape),
@@ -223,6 +225,54 @@ static void a_ledger_alters_nothing(void **state) {
     rk_scene_free(without);
 }
 
+/* ---- Energy from nothing -----------------------------------------------------------------------
+ */
+
+/* Twelve discs without any loss on a ring collide in chains again and again, with a step that is a
+ * share of the largest stable one. */
+static enum rk_status collide_in_chains(double share, double limit, struct rk_ledger *ledger,
+                                        struct rk_error *err) {
+    enum { DISCS = 12 };
+    const double spacing = 1.001;
+    struct rk_scene_spec spec = kit_spec(DISCS, 0);
+    spec.contact.friction = kit_piece(&rk_friction_registry, "none");
+    spec.period_x = DISCS * spacing;
+    spec.health =
+        (struct rk_health_spec){.overlap = 0.5, .travel = 0.1, .every = 10, .energy = limit};
+    spec.ledger = true;
+    kit_complete(&spec, share);
+    struct rk_scene *scene = kit_scene(&spec);
+    for (int i = 0; i < DISCS; i++) {
+        kit_add(scene, kit_disc(spacing * i, 0, 0.01 * sin(7.0 * i), 0));
+    }
+    enum rk_status status = rk_scene_step(scene, 10000, err);
+    assert_true(rk_scene_ledger(scene, ledger));
+    rk_scene_free(scene);
+    return status;
+}
+
+/* Steps that are too long make energy, and that is noticed before anything else, unless the limit
+ * is far away. A sane step goes on: a collision's error is of the order of (w0 dt)^2 of its energy,
+ * w0^2 = 2 kn/m and dt = 0.2/sqrt(6 kn/m), hence 1/75, of either sign. */
+static void energy_from_nothing_is_noticed(void **state) {
+    (void)state;
+    static const double too_long[] = {1.3, 1.5, 2};
+    struct rk_ledger ledger;
+    struct rk_error err = RK_NO_ERROR;
+    assert_int_equal(collide_in_chains(0.1, 0, &ledger, &err), RK_OK);
+    assert_true(fabs(ledger.residual) < 0.1 * ledger.input);
+    assert_true(ledger.input == ledger.start); /* nothing drives them */
+    for (size_t k = 0; k < sizeof too_long / sizeof *too_long; k++) {
+        assert_int_equal(collide_in_chains(too_long[k], 0, &ledger, &err), RK_EUNSTABLE);
+        assert_true(ledger.residual > 0.5 * ledger.input);
+        assert_non_null(strstr(err.message, "energy created from nothing"));
+        assert_non_null(strstr(err.message, "the limit is 0.5; dt is"));
+        assert_non_null(strstr(err.message, "the largest stable dt is"));
+        assert_int_equal(collide_in_chains(too_long[k], 1e9, &ledger, &err), RK_EUNSTABLE);
+        assert_null(strstr(err.message, "energy"));
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_ledger_closes_at_second_order),
@@ -230,6 +280,7 @@ int main(void) {
         cmocka_unit_test(every_integrator_closes_the_ledger),
         cmocka_unit_test(losses_are_losses),
         cmocka_unit_test(a_ledger_alters_nothing),
+        cmocka_unit_test(energy_from_nothing_is_noticed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -248,6 +248,46 @@ static void bullets_do_not_tunnel(void **state) {
     assert_true(stopped > 0 && passed > 0);
 }
 
+/* A wall that turns does not pass through a disc unseen: the disc stays before it or the run is
+ * stopped, up to spins at which the tip of the paddle goes 0.8 R in a step. */
+static void paddles_do_not_tunnel(void **state) {
+    (void)state;
+    static const double paddle[2][2] = {{0, 0}, {10, 0}};
+    static const char *const shapes[] = {"segment", "line"};
+    size_t stopped = 0, passed = 0;
+    for (int s = 0; s < 2; s++) {
+        for (double spin = 0.01; spin < 100; spin *= 1.7) {
+            struct rk_scene_spec spec = ordinary(1, 1);
+            spec.gravity[1] = 0;
+            spec.health.every = 1000000;
+            spec.dt = 4e-4;
+            struct rk_scene *scene = kit_scene(&spec);
+            const struct rk_wall_spec wall = {
+                .shape = kit_piece(&rk_shape_registry, shapes[s]),
+                .vertices = paddle,
+                .vertex_count = 2,
+                .normal = {0, 1},
+                .drive = {.kind = kit_piece(&rk_drive_registry, "rotation"), .spin = spin}};
+            kit_add_wall(scene, &wall);
+            kit_add(scene, kit_disc(8, 0.6, 0, 0));
+            enum rk_status status = RK_OK;
+            double along = 0;
+            for (int n = 0; n < 4000 && status == RK_OK && (s == 1 || along < 10); n++) {
+                status = run(scene, 1);
+                double angle = rk_scene_wall_turn(scene, 0).angle;
+                struct rk_grain g = kit_grain(scene, 0);
+                along = g.x * cos(angle) + g.y * sin(angle);
+                double before = g.y * cos(angle) - g.x * sin(angle);
+                assert_true(status != RK_OK || before > 0);
+            }
+            stopped += status != RK_OK;
+            passed += status == RK_OK;
+            rk_scene_free(scene);
+        }
+    }
+    assert_true(stopped > 0 && passed > 0);
+}
+
 /* Numbers that are no numbers never get in. */
 static void strange_numbers_are_refused(void **state) {
     (void)state;
@@ -267,6 +307,7 @@ static void strange_numbers_are_refused(void **state) {
         offsetof(struct rk_scene_spec, accuracy.skin),
         offsetof(struct rk_scene_spec, health.overlap),
         offsetof(struct rk_scene_spec, health.travel),
+        offsetof(struct rk_scene_spec, health.energy),
     };
     for (size_t p = 0; p < sizeof places / sizeof *places; p++) {
         for (int k = 0; k < 4; k++) {
@@ -396,6 +437,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(stiffness_over_six_decades),
         cmocka_unit_test(steps_that_are_too_long_are_stopped),
         cmocka_unit_test(bullets_do_not_tunnel),
+        cmocka_unit_test(paddles_do_not_tunnel),
         cmocka_unit_test(strange_numbers_are_refused),
         cmocka_unit_test(boxes_of_one_cell),
         cmocka_unit_test(none_one_and_two_grains),

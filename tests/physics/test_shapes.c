@@ -335,6 +335,55 @@ static void torque_and_work_agree(void **state) {
     rk_scene_free(scene);
 }
 
+static double angular_momentum(const struct rk_grain *g, const double pivot[2]) {
+    return mass * ((g->x - pivot[0]) * g->vy - (g->y - pivot[1]) * g->vx) +
+           0.5 * mass * radius * radius * g->omega;
+}
+
+/* What a disc gains of angular momentum about the pivot of a wall that turns, the wall loses: the
+ * integral of its torque. Of velocity Verlet the trapezoidal rule is exact: with x' = x + h v +
+ * h^2/2 a and v' = v + h/2 (a + a'), x' x v' - x x v = h/2 (x x a + x' x a'). What is left is
+ * rounding: 2e4 steps of sums of at most 4. */
+static void angular_momentum_goes_to_the_wall(void **state) {
+    (void)state;
+    static const double bar[3][2] = {{0.3, 0.1}, {4, 0}, {4, -0.5}};
+    const double pivot[2] = {0.2, 0.1};
+    for (size_t s = 0; s < rk_shape_registry.count; s++) {
+        struct rk_wall_spec wall = {
+            .shape = rk_shape_registry.pieces[s],
+            .normal = {0, 1},
+            .vertices = bar,
+            .vertex_count = rk_shape_registry.pieces[s] == shape("polygon") ? 3 : 2,
+            .centre = {2, -4},
+            .radius = 4,
+            .to = M_PI,
+            .pivot = {pivot[0], pivot[1]},
+            .friction = true,
+            .drive = {.kind = drive("rotation"), .spin = 0.5},
+        };
+        struct rk_scene_spec spec = spec_of("cundall-strack", 5, 1e-4);
+        spec.contact.rolling = kit_piece(&rk_rolling_registry, "spring");
+        spec.contact.mu_rolling = 0.2;
+        struct rk_grain disc = {
+            .x = 2, .y = 0.7, .vx = 1, .vy = -0.3, .omega = 3, .radius = radius, .mass = mass};
+        struct rk_scene *scene = scene_of(&spec, &wall, &disc);
+        double before = angular_momentum(&disc, pivot), gone = 0, most = 0;
+        for (int n = 0; n < 20000; n++) {
+            gone += 0.5 * spec.dt * rk_scene_wall_turn(scene, 0).torque;
+            kit_step(scene, 1);
+            gone += 0.5 * spec.dt * rk_scene_wall_turn(scene, 0).torque;
+            struct rk_grain g = kit_grain(scene, 0);
+            most = fmax(most, fabs(angular_momentum(&g, pivot) - before + gone));
+        }
+        assert_true(fabs(gone) > 0.1);
+        if (!(most < 2e4 * 4 * 1.2e-16)) {
+            fail_msg("%s: %g of angular momentum got lost", rk_shape_registry.pieces[s]->name,
+                     most);
+        }
+        rk_scene_free(scene);
+    }
+}
+
 /* A wall that comes from afar meets a disc that rests: whoever never moved was not near when the
  * lists were made, which are renewed for the wall's own motion, too. */
 static void a_wall_from_afar_hits(void **state) {
@@ -610,6 +659,7 @@ int main(void) {
         cmocka_unit_test(a_bowl_is_a_pendulum),
         cmocka_unit_test(a_turning_drum_spins_its_disc),
         cmocka_unit_test(torque_and_work_agree),
+        cmocka_unit_test(angular_momentum_goes_to_the_wall),
         cmocka_unit_test(a_wall_from_afar_hits),
         cmocka_unit_test(a_lid_at_rest_carries_its_load),
         cmocka_unit_test(a_free_lid_obeys_newton),
