@@ -69,7 +69,9 @@ enum rk_status rk_scene_step(struct rk_scene *scene, uint64_t steps, struct rk_e
 
 /* Between two phases of one run (a settled bed begins to be shaken): the clock goes back to step
  * 0 and the time step changes, or a wall or group gets another drive, or a grain is held or let go.
- * Contacts and their history live on. A released grain starts at rest. */
+ * Contacts and their history live on. A released grain starts at rest. A wall or group is at once
+ * where its new drive has it: if that is somewhere else it jumps, and what this does to the springs
+ * of its contacts is in no account of the ledger, but in its residual. */
 enum rk_status rk_scene_restart_clock(struct rk_scene *scene, double dt, struct rk_error *err);
 enum rk_status rk_scene_set_drive(struct rk_scene *scene, size_t wall,
                                   const struct rk_drive_spec *drive, struct rk_error *err);
@@ -96,7 +98,8 @@ double rk_scene_stable_step(const struct rk_scene *scene);
 /* Go on with another neighbour method (out of rk_neighbour_registry): the bytes are the same. */
 void rk_scene_set_neighbours(struct rk_scene *scene, const struct rk_piece *method);
 
-/* Multiply all velocities by `keep` (0 to 1): a drag, for beds that should come to rest. */
+/* Multiply all velocities by `keep` (0 to 1): a drag, for beds that should come to rest. The ledger
+ * has what that takes as damping. */
 void rk_scene_slow_down(struct rk_scene *scene, double keep);
 
 /* ---- Looking at a scene ------------------------------------------------------------------ */

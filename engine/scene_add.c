@@ -189,6 +189,7 @@ enum rk_status rk_scene_restart_clock(struct rk_scene *scene, double dt, struct 
 
 void rk_scene_slow_down(struct rk_scene *scene, double keep) {
     struct rk_grains *g = &scene->grains;
+    rk_ledger_slow_down(scene, keep);
     for (size_t i = 0; i < g->count; i++) {
         if (rk_grain_carried(g, i)) {
             continue; /* its drive says how fast it is */
