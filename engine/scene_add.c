@@ -95,6 +95,9 @@ enum rk_status rk_scene_add_grain(struct rk_scene *scene, const struct rk_grain 
     g->mass[i] = grain->mass;
     g->inverse_mass[i] = held ? 0 : 1 / grain->mass;
     g->tag[i] = (uint32_t)i;
+    if (scene->index_of) { /* the scene has stepped */
+        scene->index_of[i] = (uint32_t)i;
+    }
     if (g->growth) {
         g->growth[i] = (uint32_t)grain->growth;
         g->density[i] = rk_growth_density(scene, grain);
