@@ -37,7 +37,8 @@ enum rk_status rk_scene_add_material(struct rk_scene *scene, const struct rk_mat
 
 /* Add a grain or a wall, before the first step. Its number is the count before: 0, 1, 2, ...
  * A grain keeps that number ("tag") for life. RK_EINVALID: no room, non-finite, radius or mass not
- * positive, lighter than spec.smallest, coincident with another grain, normal not of length one. */
+ * positive, mass or moment of inertia too small to divide by, lighter than spec.smallest, normal
+ * not of length one. Whether two grains lie on the same point is seen at the first step. */
 enum rk_status rk_scene_add_grain(struct rk_scene *scene, const struct rk_grain *grain,
                                   struct rk_error *err);
 enum rk_status rk_scene_add_wall(struct rk_scene *scene, const struct rk_wall_spec *wall,
@@ -64,12 +65,16 @@ enum rk_status rk_scene_add_row(struct rk_scene *scene, const struct rk_wall_spe
 /* Advance by `steps` time steps. RK_EUNSTABLE when the state has become nonsense: the message
  * names the time, the grain, the value and the largest stable dt; the scene stays as it was found.
  * The check is made every spec.health.every steps, and as much oftener as it takes for no grain to
- * pass through another between two checks; when that is depends on the state alone. */
+ * pass through another between two checks; when that is depends on the state alone.
+ * RK_EINVALID when the first step finds what cannot be: two grains on the same point, a periodic
+ * box too narrow for the grains or for a wall, more pairs than all-pairs can number. RK_EMEMORY. */
 enum rk_status rk_scene_step(struct rk_scene *scene, uint64_t steps, struct rk_error *err);
 
 /* Between two phases of one run (a settled bed begins to be shaken): the clock goes back to step
  * 0 and the time step changes, or a wall or group gets another drive, or a grain is held or let go.
- * Contacts and their history live on. A released grain starts at rest. */
+ * Contacts and their history live on. A released grain starts at rest. A wall or group is at once
+ * where its new drive has it: if that is somewhere else it jumps, and what this does to the springs
+ * of its contacts is in no account of the ledger, but in its residual. */
 enum rk_status rk_scene_restart_clock(struct rk_scene *scene, double dt, struct rk_error *err);
 enum rk_status rk_scene_set_drive(struct rk_scene *scene, size_t wall,
                                   const struct rk_drive_spec *drive, struct rk_error *err);
@@ -96,7 +101,8 @@ double rk_scene_stable_step(const struct rk_scene *scene);
 /* Go on with another neighbour method (out of rk_neighbour_registry): the bytes are the same. */
 void rk_scene_set_neighbours(struct rk_scene *scene, const struct rk_piece *method);
 
-/* Multiply all velocities by `keep` (0 to 1): a drag, for beds that should come to rest. */
+/* Multiply all velocities by `keep` (0 to 1): a drag, for beds that should come to rest. The ledger
+ * has what that takes as damping. */
 void rk_scene_slow_down(struct rk_scene *scene, double keep);
 
 /* ---- Looking at a scene ------------------------------------------------------------------ */
@@ -160,9 +166,11 @@ struct rk_energy {
 };
 struct rk_energy rk_scene_energy(const struct rk_scene *scene);
 
-/* Where energy came from and went since the clock started, with spec.ledger; false without. The
- * residual, energy - start - gravity - walls - groups - growth + damping + friction + rolling, is
- * the error of the time step: it shrinks with dt^2 (engine/ledger.h). Friction and rolling include
+/* Where energy came from and went since the clock started or, if that was later, since a grain was
+ * added, held or let go, with spec.ledger; false without, and until the next step after what
+ * changes forces between two steps. The residual, energy - start - gravity - walls - groups -
+ * growth + damping + friction + rolling, is the error of the time step: it shrinks with dt^2
+ * (engine/ledger.h), unless rk_scene_set_drive has made a wall jump. Friction and rolling include
  * what their springs hold at present. */
 struct rk_ledger {
     double start, energy; /* kinetic, rotational and of normal springs, then and now */
@@ -179,7 +187,7 @@ double rk_scene_wall_dissipation(const struct rk_scene *scene, size_t wall);
 double rk_scene_group_work(const struct rk_scene *scene, size_t group);
 double rk_scene_group_dissipation(const struct rk_scene *scene, size_t group);
 
-/* The largest value of three kinds of trouble at present, for `check`s and for choosing limits. */
+/* The largest value of two kinds of trouble at present, for `check`s and for choosing limits. */
 struct rk_strain {
     double overlap; /* largest overlap / smaller radius */
     double travel;  /* largest |v| dt / radius */
@@ -190,7 +198,9 @@ struct rk_strain rk_scene_strain(const struct rk_scene *scene);
 
 /* The state as a block of bytes: everything that the field tables declare. Unpack into a scene
  * with the same spec, walls, groups and growths and no grains; the run goes on with the same bytes.
- * Contacts are there at once; their normal forces and those on walls are 0 until the next step.
+ * Contacts are there at once with what they remember. Until the next step their other forces are 0:
+ * normal forces, but those of pairs with an integrator that remembers them; tangential forces of
+ * pairs without springs; the forces on walls and groups.
  * RK_EFORMAT when the block is not such a state (it may come from a damaged file: every size and
  * index is checked); the scene must then be freed. */
 size_t rk_scene_packed_size(const struct rk_scene *scene);

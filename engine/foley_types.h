@@ -8,12 +8,14 @@
  *   1  static      stays where it is
  *   2  swinging    x = 0.5 - 0.4 cos 10 t, y = 0.1
  *   3  turning     about (0.5, 0.5) with angular velocity 1
- *   4  wheel       x = 0.5 + 0.1 cos t + 0.4 cos(t + p), y likewise with sines, p = 2 pi n/128: on
- * a circle of radius 0.4 about (0.6, 0.5) that turns as a whole about (0.5, 0.5) 5  vibrating   y =
- * y0 + 0.02 sin 30 t 6  staggered   y = 0.1 + 0.02 floor(n/2) + 0.02 sin 30 t: pairs, one above the
- * other 7  growing     its radius is 0.001 larger each step; stays where it is 8  shrinking   0.001
- * smaller 9  press       0.001 down in each step that begins with a kinetic energy of all free
- * particles below 1e-6, rotation included
+ *   4  wheel       x = 0.5 + 0.1 cos t + 0.4 cos(t + p), y likewise with sines, p = 2 pi n/128:
+ *                  on a circle of radius 0.4 about (0.6, 0.5) that turns about (0.5, 0.5)
+ *   5  vibrating   y = y0 + 0.02 sin 30 t
+ *   6  staggered   y = 0.1 + 0.02 floor(n/2) + 0.02 sin 30 t: pairs, one above the other
+ *   7  growing     its radius is 0.001 larger each step; stays where it is
+ *   8  shrinking   its radius is 0.001 smaller each step; stays where it is
+ *   9  press       0.001 down in each step that begins with a kinetic energy of all free
+ *                  particles below 1e-6, rotation included
  *
  * What is otherwise here. His velocities of type 2 (sin t for sin 10 t), of type 4 (a sign) and his
  * places of type 5 (increments that depend on dt) contradict each other: the velocities follow from

@@ -30,6 +30,7 @@ static INLINE lanes gear_only(lanes move, size_t first, size_t end) {
     return move;
 }
 
+/* The bounds of the moves are widened, unless `span` is NULL: nobody asks how far grains turn. */
 static INLINE void gear_predict_some(const struct gear_component *g, size_t i, size_t end, double h,
                                      struct span *span) {
     lanes v = lanes_load(g->v + i), a = lanes_load(g->a + i);
@@ -39,8 +40,9 @@ static INLINE void gear_predict_some(const struct gear_component *g, size_t i, s
     lanes_store(g->v + i, v + h * (a + h / 2 * (j + h / 3 * s)));
     lanes_store(g->a + i, a + h * (j + h / 2 * s));
     lanes_store(g->j + i, j + h * s);
-    move = gear_only(move, i, end);
-    widen(span, move);
+    if (span) {
+        widen(span, gear_only(move, i, end));
+    }
 }
 
 /* Without forces derivatives shrink by a factor at every step. They end at 0: numbers below 2e-308
@@ -59,8 +61,9 @@ static INLINE void gear_correct_some(const struct gear_component *g, size_t i, s
     lanes_store(g->a + i, b);
     lanes_store(g->j + i, gear_settle(lanes_load(g->j + i) + 1.5 / h * d));
     lanes_store(g->s + i, gear_settle(lanes_load(g->s + i) + 1 / (h * h) * d));
-    move = gear_only(move, i, end);
-    widen(span, move);
+    if (span) {
+        widen(span, gear_only(move, i, end));
+    }
 }
 
 static inline struct gear_component gear_x(const struct rk_grains *g) {
@@ -78,12 +81,12 @@ static inline struct gear_component gear_turn(const struct rk_grains *g) {
 static void gear_predict(struct rk_grains *grains, size_t begin, size_t end, double h,
                          const double gravity[2], struct rk_bounds *moved) {
     const struct gear_component gx = gear_x(grains), gy = gear_y(grains), turn = gear_turn(grains);
-    struct span x = no_span(), y = no_span(), angle = no_span();
+    struct span x = no_span(), y = no_span();
     for (size_t i = begin; i < end; i += LANES) {
         gear_predict_some(&gx, i, end, h, &x);
         gear_predict_some(&gy, i, end, h, &y);
         if (grains->omega) {
-            gear_predict_some(&turn, i, end, h, &angle);
+            gear_predict_some(&turn, i, end, h, NULL);
         }
     }
     ready(grains, begin, end, gravity);
@@ -93,7 +96,7 @@ static void gear_predict(struct rk_grains *grains, size_t begin, size_t end, dou
 static void gear_correct(struct rk_grains *grains, size_t begin, size_t end, double h,
                          struct rk_bounds *moved) {
     const struct gear_component gx = gear_x(grains), gy = gear_y(grains), turn = gear_turn(grains);
-    struct span x = no_span(), y = no_span(), angle = no_span();
+    struct span x = no_span(), y = no_span();
     for (size_t i = begin; i < end; i += LANES) {
         lanes force[3], inverse_mass = lanes_load(grains->inverse_mass + i);
         sums_load(grains, i, grains->omega, force);
@@ -101,7 +104,7 @@ static void gear_correct(struct rk_grains *grains, size_t begin, size_t end, dou
         gear_correct_some(&gy, i, end, force[1] * inverse_mass, h, &y);
         if (grains->omega) {
             gear_correct_some(&turn, i, end, force[2] * lanes_load(grains->inverse_inertia + i), h,
-                              &angle);
+                              NULL);
         }
     }
     set_bounds(moved, &x, &y);

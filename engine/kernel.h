@@ -95,8 +95,9 @@ struct rk_kernel {
                                 struct rk_bounds *moved);
 
     /* Correct and predict the next step in one pass, in the layout alone: grains->x, y, vx, vy stay
-     * as they are; and so do all grains of a block of RK_BLOCK that is `late`, unless that is NULL.
-     * `moves` is widened. NULL for a scheme without that. */
+     * as they are, but for the last grains where these fill no vector; and so do all grains of a
+     * block of RK_BLOCK that is `late`, unless that is NULL. `moves` is widened. NULL for a scheme
+     * without that. */
     void (*advance[RK_SCHEMES])(struct rk_grains *grains, size_t begin, size_t end,
                                 const uint8_t *late, double dt, const double gravity[2],
                                 struct rk_moves *moves);

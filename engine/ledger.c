@@ -195,6 +195,22 @@ void rk_ledger_begin(struct rk_scene *scene) {
     take_rates(scene);
 }
 
+void rk_ledger_slow_down(struct rk_scene *scene, double keep) {
+    if (!scene->has[RK_IF_LEDGER]) {
+        return;
+    }
+    const struct rk_energy energy = rk_scene_energy(scene);
+    struct rk_ledger_rows *rates = &scene->ledger.rates;
+    scene->ledger.sums.damping[common_row(scene)] +=
+        (1 - keep * keep) * (energy.kinetic + energy.rotational);
+    rates->work[common_row(scene)] *= keep;
+    for (size_t row = 0; row < scene->ledger.count; row++) {
+        rates->damping[row] *= keep;
+        rates->friction[row] *= keep;
+        rates->rolling[row] *= keep;
+    }
+}
+
 static void add_half_step(struct rk_scene *scene) {
     struct rk_ledger_rows *sums = &scene->ledger.sums;
     const struct rk_ledger_rows *rates = &scene->ledger.rates;

@@ -31,6 +31,12 @@ enum rk_status rk_ledger_create(struct rk_scene *scene, struct rk_error *err);
 /* The present energy is no longer what came of the accounts: begin anew at the next first step. */
 void rk_ledger_forget(struct rk_scene *scene);
 
+/* All velocities are about to be multiplied by `keep` between two steps: what they lose counts as
+ * damping. Forces are still those of the last step, so that the rates at the beginning of the next
+ * one shrink alike; work and losses at what a drive moves do so in part only, which leaves an error
+ * of dt/2 times the rest. */
+void rk_ledger_slow_down(struct rk_scene *scene, double keep);
+
 /* Forces belong to the present state: begin from it, or go on. */
 void rk_ledger_begin(struct rk_scene *scene);
 

@@ -296,19 +296,21 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
     scene->scattered = false;
     status = reserve_pairs(scene, count, err);
     if (status) {
+        near->valid = false; /* the pairs are gone */
         return status;
     }
     scene->pairs.count = count;
     rk_shares_run(scene, (rk_share_work *const[]){list_rows}, 1, &search);
     near->moved = (struct rk_bounds){{0, 0}, {0, 0}};
     near->grown = 0;
-    near->valid = true;
     near->close_valid = false;
     for (size_t w = 0; w < scene->wall_count; w++) {
         scene->walls[w].near.valid = false; /* its bounds of movement began at the old build */
     }
     scene->profile.rebuilds++;
-    return rk_shares_cut(scene, err);
+    status = rk_shares_cut(scene, err);
+    near->valid = status == RK_OK; /* without room for close pairs nothing may be picked */
+    return status;
 }
 
 static int compare_real(const void *a, const void *b) {

@@ -96,7 +96,8 @@ struct rk_close {
     uint32_t *pair;           /* NULL where nothing is remembered */
     double *shift, *reach;
     double *radius_first, *radius_second; /* NULL where no law needs them */
-    double *history[RK_HISTORIES];        /* of the last step, 0 if not touching */
+    double *history[RK_HISTORIES]; /* of the last step, 0 if not touching; what contacts do not
+                                    * remember is stale from a pick to the next push */
 };
 
 /* The touching ones of the last step in the same order, for whoever wants to look. */

@@ -39,6 +39,20 @@ enum rk_status rk_scene_add_material(struct rk_scene *scene, const struct rk_mat
     return status;
 }
 
+/* Forces are divided by them, also those on a held grain once it is let go. */
+static enum rk_status check_inertia(const struct rk_scene *scene, const struct rk_grain *grain,
+                                    struct rk_error *err) {
+    const double inertia =
+        rk_body_of(scene->spec.body)->inertia * grain->mass * grain->radius * grain->radius;
+    if (!isfinite(1 / grain->mass) || (scene->has[RK_IF_ROTATES] && !isfinite(1 / inertia))) {
+        return rk_fail(err, RK_EINVALID,
+                       "grain %zu has radius %g, mass %g and moment of inertia %g, too small to "
+                       "divide by; lengths are in the mean grain diameter",
+                       scene->grains.count, grain->radius, grain->mass, inertia);
+    }
+    return RK_OK;
+}
+
 static enum rk_status check_grain(const struct rk_scene *scene, const struct rk_grain *grain,
                                   struct rk_error *err) {
     const struct rk_grains *g = &scene->grains;
@@ -74,7 +88,7 @@ static enum rk_status check_grain(const struct rk_scene *scene, const struct rk_
                        "time step were chosen for",
                        g->count, grain->mass, scene->spec.smallest);
     }
-    return RK_OK;
+    return check_inertia(scene, grain, err);
 }
 
 enum rk_status rk_scene_add_grain(struct rk_scene *scene, const struct rk_grain *grain,
@@ -95,6 +109,9 @@ enum rk_status rk_scene_add_grain(struct rk_scene *scene, const struct rk_grain 
     g->mass[i] = grain->mass;
     g->inverse_mass[i] = held ? 0 : 1 / grain->mass;
     g->tag[i] = (uint32_t)i;
+    if (scene->index_of) { /* the scene has stepped */
+        scene->index_of[i] = (uint32_t)i;
+    }
     if (g->growth) {
         g->growth[i] = (uint32_t)grain->growth;
         g->density[i] = rk_growth_density(scene, grain);
@@ -189,6 +206,7 @@ enum rk_status rk_scene_restart_clock(struct rk_scene *scene, double dt, struct 
 
 void rk_scene_slow_down(struct rk_scene *scene, double keep) {
     struct rk_grains *g = &scene->grains;
+    rk_ledger_slow_down(scene, keep);
     for (size_t i = 0; i < g->count; i++) {
         if (rk_grain_carried(g, i)) {
             continue; /* its drive says how fast it is */

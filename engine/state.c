@@ -247,6 +247,7 @@ enum rk_status rk_scene_unpack(struct rk_scene *scene, const void *block, size_t
     }
     enum rk_status status = check_block(scene, block, size, scalars, err);
     if (status == RK_OK) {
+        scene->close_capacity = 0; /* a scene that stepped without grains has room for more */
         status = rk_fields_resize(scene, &rk_contact_fields, scalars[4], err);
     }
     if (status == RK_OK) {

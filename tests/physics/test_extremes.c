@@ -324,6 +324,29 @@ static void strange_numbers_are_refused(void **state) {
     }
 }
 
+/* A grain whose mass or moment of inertia cannot be divided by is refused, the latter where
+ * something turns. */
+static void what_cannot_be_divided_by_is_refused(void **state) {
+    (void)state;
+    for (int turns = 0; turns < 2; turns++) {
+        struct rk_scene_spec spec = ordinary(2, 0);
+        spec.contact.friction = rk_friction_registry.pieces[turns];
+        spec.smallest = 1e-310;
+        struct rk_scene *scene = kit_scene(&spec);
+        struct rk_grain dot = kit_disc(0, 0, 0, 0);
+        struct rk_error err = RK_NO_ERROR;
+        assert_true(rk_scene_rotates(scene) == turns);
+        dot.radius = 1e-170;
+        assert_int_equal(rk_scene_add_grain(scene, &dot, &err), turns ? RK_EINVALID : RK_OK);
+        assert_true(!turns || strstr(err.message, "moment of inertia"));
+        dot = kit_disc(1, 1, 0, 0);
+        dot.mass = 1e-309;
+        assert_int_equal(rk_scene_add_grain(scene, &dot, &err), RK_EINVALID);
+        assert_non_null(strstr(err.message, "mass 1e-309"));
+        rk_scene_free(scene);
+    }
+}
+
 /* ---- Small boxes, few grains, long rest -------------------------------------------------------
  */
 
@@ -439,6 +462,7 @@ int main(int argc, char **argv) {
         cmocka_unit_test(bullets_do_not_tunnel),
         cmocka_unit_test(paddles_do_not_tunnel),
         cmocka_unit_test(strange_numbers_are_refused),
+        cmocka_unit_test(what_cannot_be_divided_by_is_refused),
         cmocka_unit_test(boxes_of_one_cell),
         cmocka_unit_test(none_one_and_two_grains),
         cmocka_unit_test(grains_at_rest_stay_at_rest),

@@ -474,6 +474,46 @@ static void held_and_released_grains_are_remembered(void **state) {
     }
 }
 
+/* A grain that joins a scene between two steps is known by its number at once, and can be held. */
+static void a_late_grain_has_its_number_at_once(void **state) {
+    (void)state;
+    struct rk_scene_spec spec = kit_spec(3, 0);
+    struct rk_scene *scene = kit_scene(&spec);
+    kit_add(scene, kit_disc(0, 5, 1, 0)); /* comes last in the order */
+    kit_add(scene, kit_disc(0, 0, 1, 0));
+    kit_step(scene, 1);
+    kit_add(scene, kit_disc(3, 3, 1, 0));
+    assert_true(kit_grain(scene, 2).x == 3 && kit_grain(scene, 2).y == 3);
+    assert_int_equal(rk_scene_hold(scene, 2, true, NULL), RK_OK);
+    kit_step(scene, 1);
+    for (uint32_t tag = 0; tag < 3; tag++) {
+        assert_true(kit_grain(scene, tag).held == (tag == 2));
+        assert_true(kit_grain(scene, tag).vx == (tag == 2 ? 0 : 1));
+    }
+    rk_scene_free(scene);
+}
+
+/* A scene that has stepped without grains has made room for contacts; a state that it unpacks
+ * brings arrays of its own size. */
+static void a_scene_that_stepped_empty_takes_a_state(void **state) {
+    (void)state;
+    const struct kit_lattice lattice = {.columns = 8, .spacing = 0.99, .x = 1, .y = 1};
+    struct rk_scene_spec spec = kit_spec(40, 0);
+    struct rk_scene *scene = kit_scene(&spec), *other = kit_scene(&spec);
+    size_t size;
+    kit_add_lattice(scene, &lattice, 40);
+    kit_step(other, 1);
+    void *block = kit_packed(scene, &size); /* no contacts yet */
+    assert_int_equal(rk_scene_unpack(other, block, size, NULL), RK_OK);
+    free(block);
+    kit_step(scene, 5);
+    kit_step(other, 5);
+    assert_int_equal(rk_scene_contacts(other), 8 * 4 + 7 * 5);
+    kit_assert_same(scene, other);
+    rk_scene_free(scene);
+    rk_scene_free(other);
+}
+
 /* A scene may be looked at as soon as it is unpacked, before any step. Contacts are measured anew:
  * a corrector that moves grains leaves them as they were at the predicted positions. */
 static void check_look(struct recipe recipe) {
@@ -635,6 +675,8 @@ int main(void) {
         cmocka_unit_test(threads_may_change_between_steps),
         cmocka_unit_test(a_packed_scene_goes_on_with_the_same_bytes),
         cmocka_unit_test(held_and_released_grains_are_remembered),
+        cmocka_unit_test(a_late_grain_has_its_number_at_once),
+        cmocka_unit_test(a_scene_that_stepped_empty_takes_a_state),
         cmocka_unit_test(an_unpacked_scene_can_be_looked_at),
         cmocka_unit_test(looking_changes_nothing),
         cmocka_unit_test(damaged_states_do_no_harm),
