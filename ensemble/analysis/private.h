@@ -70,7 +70,7 @@ struct rk_analysis_methods {
     void (*picture)(const struct rk_picture *picture, FILE *out);
     bool panels;                   /* one panel a point, otherwise all points in one */
     const char *const *quantities; /* the scalars that it gives an interval, NULL at the end: what
-                                      `until` may be about */
+                                      `until` may be about, unless it is of all points */
 };
 
 extern const struct rk_analysis rk_analysis_rise, rk_analysis_ldf, rk_analysis_pdf,
