@@ -99,6 +99,8 @@ struct rk_study_key {
 };
 extern const struct rk_registry rk_study_key_registry;
 
+enum { RK_DOUBTS_MAX = 8 };
+
 struct rk_study {
     char name[RK_NAME];
     const struct rk_case *scene;
@@ -115,6 +117,8 @@ struct rk_study {
     size_t request_count;
     struct rk_until until;
     struct rk_retry retry;
+    struct rk_error doubts[RK_DOUBTS_MAX]; /* of what was written and has no effect: with place */
+    size_t doubt_count;
 };
 
 /* Read and resolve a study file. *study is the caller's, free with rk_study_free.

@@ -48,7 +48,8 @@ const struct rk_param rk_bne_intruder_params[RK_BNE_INTRUDER_PARAMS] = {
      .low = 0,
      .high = 1e6,
      .doc = "its coefficient of friction over that of the grains; the geometric mean acts",
-     .later = true},
+     .later = true,
+     .needs = {{"contact.friction", "cundall-strack haff-werner"}}},
 };
 #undef AT
 
@@ -74,7 +75,9 @@ static const struct rk_param box_rows[] = {
      .offset = AT(rough),
      .unit = "",
      .value = 1,
-     .doc = "side walls have the friction of the grains (the plate always has)"},
+     .doc = "side walls have the friction of the grains (the plate always has)",
+     .needs = {{"box.sides", "walls"}, {"contact.friction", "cundall-strack haff-werner"}},
+     .needs_all = true},
     {.name = "tilt",
      .type = RK_PARAM_REAL,
      .offset = AT(tilt),

@@ -230,6 +230,9 @@ enum rk_status rk_outlook_make(const struct rk_study *study, int threads, bool q
     for (size_t p = 0; p < study->point_count; p++) {
         look_at_point(o, p);
     }
+    for (size_t i = 0; i < study->doubt_count; i++) {
+        warn(o, "%s: %s", study->doubts[i].where, study->doubts[i].message);
+    }
     look_at_steps(o);
     look_at_replicas(o);
     for (size_t i = 0; i < study->request_count; i++) {

@@ -26,7 +26,7 @@ struct rk_outlook {
     size_t runs;
     double settling, beds_disk;                            /* what beds add to cost and disk */
     double cost, disk, memory, core_seconds, wall_seconds; /* of the whole study */
-    char warnings[RK_WARNINGS_MAX][256];
+    char warnings[RK_WARNINGS_MAX][512];
     size_t warning_count;
 };
 

@@ -322,6 +322,10 @@ static int run_main(const void *values, size_t count, char *const *operands) {
         return code;
     }
     const char *folder = o->output ? o->output : study->name;
+    /* Of ranks each would say it. */
+    for (size_t i = 0; i < study->doubt_count && !rk_ranks_wanted(); i++) {
+        rk_warn("%s: %s", study->doubts[i].where, study->doubts[i].message);
+    }
     code = run_to_target(folder, study, o);
     rk_study_free(study);
     return code;
