@@ -308,6 +308,9 @@ static int run_to_target(const char *folder, struct rk_study *study, const struc
         if (part && leads && study->until.request && !o->quiet) {
             say_rest(study, more);
         }
+        if (leads && !more && !o->quiet && (code == RK_EXIT_DONE || code == RK_EXIT_REPLICAS)) {
+            rk_target_print_capped(study, stdout);
+        }
         more = more && !rk_ranks_wanted();
     }
     return code;
