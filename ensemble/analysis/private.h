@@ -60,6 +60,10 @@ struct rk_analysis_methods {
     enum rk_status (*estimate_all)(const void *params, const struct rk_point_values *values,
                                    const struct rk_stream *stream, struct rk_result *result,
                                    struct rk_error *err);
+    /* Can what it asks of the points be had of none or not all of them? RK_EINVALID: a sentence
+     * that warns, with err->subject. NULL: there is nothing of the kind. */
+    enum rk_status (*doubt_points)(const void *params, const struct rk_study *study,
+                                   struct rk_error *err);
     /* The closing table: its title, the head of its columns, and a row without line end. */
     const char *title, *head;
     void (*headline)(const struct rk_result *result, FILE *out);
