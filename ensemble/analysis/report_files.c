@@ -209,7 +209,7 @@ static enum rk_status split_path(const char *path, char folder[4096], char name[
         return rk_fail(err, RK_EINVALID,
                        "'%.200s' cannot be the name of a picture: it must end in .png and be made "
                        "of letters, digits, '-', '_' and '.'",
-                       path);
+                       base);
     }
     snprintf(folder, 4096, "%.*s", slash ? (int)before : 1, slash ? path : ".");
     snprintf(name, RK_NAME, "%.*s", (int)(length - 4), base);
