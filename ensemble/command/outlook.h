@@ -11,6 +11,7 @@ struct rk_forecast {
     size_t grains;
     uint64_t steps, periods, samples, samples_per_period, frames, preparation;
     bool contacts;                    /* with every frame */
+    struct rk_shaking shaking;        /* period 0: nothing is known of it */
     double dt, stable_dt, cost, disk; /* of a run, its bed included in the cost */
 };
 
