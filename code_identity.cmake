@@ -1,6 +1,7 @@
 # cmake -DROOT=... -DFILES=... -DVERSION=... -DOUT=... -P code_identity.cmake
 # Write a header that names the code which decides the bytes of a run: the version, and a digest of
 # the sources of base, engine and cases. Two builds of the same sources have the same name.
+cmake_minimum_required(VERSION 3.25)
 set(all "")
 foreach(file ${FILES})
   file(SHA256 ${file} digest)

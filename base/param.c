@@ -29,13 +29,15 @@ void rk_param_path(struct rk_param_ref ref, char path[RK_PARAM_PATH]) {
 }
 
 struct rk_param_ref rk_param_find(const struct rk_param_table *table, const char *path) {
-    size_t total = rk_param_total(table);
-    for (size_t i = 0; i < total; i++) {
-        struct rk_param_ref ref = rk_param_at(table, i);
-        char known[RK_PARAM_PATH];
-        rk_param_path(ref, known);
-        if (strcmp(known, path) == 0) {
-            return ref;
+    for (size_t g = 0; g < table->count; g++) {
+        const struct rk_param_group *group = &table->groups[g];
+        size_t length = strlen(group->prefix);
+        bool in = length == 0 || (strncmp(path, group->prefix, length) == 0 && path[length] == '.');
+        const char *name = path + length + (length > 0);
+        for (size_t i = 0; in && i < group->count; i++) {
+            if (strcmp(group->rows[i].name, name) == 0) {
+                return (struct rk_param_ref){group, &group->rows[i]};
+            }
         }
     }
     return (struct rk_param_ref){NULL, NULL};
@@ -173,11 +175,15 @@ static bool parse_count(const struct rk_param *row, const char *text, uint64_t *
     return true;
 }
 
-static bool parse_flag(const char *text, bool *flag) {
-    static const char *const words[] = {"no", "yes", "false", "true", "off", "on"};
+bool rk_param_flag(const char *text, bool *flag) {
+    static const char *const words[] = {
+        "no",    "No",    "NO",    "yes",  "Yes",  "YES",  /* */
+        "false", "False", "FALSE", "true", "True", "TRUE", /* */
+        "off",   "Off",   "OFF",   "on",   "On",   "ON",
+    };
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
         if (strcmp(text, words[i]) == 0) {
-            *flag = i % 2 == 1;
+            *flag = i / 3 % 2 == 1;
             return true;
         }
     }
@@ -199,6 +205,30 @@ static const char *first_of_group(const char *name, size_t count, char (*paths)[
     return NULL;
 }
 
+/* "; drive has acceleration, period, phase": of the group that a path begins with; or, of a bare
+ * name, the parameter that ends in it. */
+static void list_members(const char *path, size_t count, char (*paths)[RK_PARAM_PATH], char *text,
+                         size_t size) {
+    const char *dot = strrchr(path, '.');
+    size_t length = dot ? (size_t)(dot - path) : 0, used = 0;
+    for (size_t i = 0; i < count && used < size; i++) {
+        const char *end = strrchr(paths[i], '.');
+        if (dot && strncmp(paths[i], path, length + 1) == 0) {
+            used += used == 0 ? (size_t)snprintf(text, size, "; %.*s has ", (int)length, path)
+                              : (size_t)snprintf(text + used, size - used, ", ");
+            used += used < size
+                        ? (size_t)snprintf(text + used, size - used, "%s", paths[i] + length + 1)
+                        : 0;
+        } else if (!dot && end && strcmp(end + 1, path) == 0) {
+            used += (size_t)snprintf(text + used, size - used, "%s '%s'",
+                                     used == 0 ? "; did you mean" : " or", paths[i]);
+        }
+    }
+    if (!dot && used > 0 && used + 1 < size) {
+        snprintf(text + used, size - used, "?");
+    }
+}
+
 static enum rk_status unknown(const struct rk_param_table *table, const char *path,
                               struct rk_error *err) {
     size_t total = rk_param_total(table);
@@ -211,12 +241,16 @@ static enum rk_status unknown(const struct rk_param_table *table, const char *pa
         nearest = rk_nearest_name(path, total, path_name, paths);
     }
     const char *member = first_of_group(path, total, paths);
+    char members[320] = "";
+    if (paths && !nearest) {
+        list_members(path, total, paths, members, sizeof members);
+    }
     if (member) {
         rk_fail_about(err, RK_EINVALID, path,
                       "'%.96s' is a group of parameters; say which of them, like %s", path, member);
     } else {
         rk_fail_about(err, RK_EINVALID, path, "there is no parameter '%.96s'%s", path,
-                      rk_hint_of(nearest, "").text);
+                      nearest ? rk_hint_of(nearest, "").text : members);
     }
     free(paths);
     return RK_EINVALID;
@@ -248,7 +282,7 @@ enum rk_status rk_param_set(const struct rk_param_table *table, void *values, co
         }
         break;
     case RK_PARAM_FLAG:
-        good = parse_flag(text, &flag);
+        good = rk_param_flag(text, &flag);
         if (good) {
             *(bool *)value = flag;
         }

@@ -25,6 +25,13 @@ enum rk_param_type {
     RK_PARAM_PIECE, /* const struct rk_piece *: a name out of `choices` */
 };
 
+/* What a parameter acts beside only: `param`, a path of the same table, has one of the values
+ * `any_of`, words between blanks. */
+struct rk_param_need {
+    const char *param, *any_of;
+};
+enum { RK_PARAM_NEEDS = 2 };
+
 struct rk_param {
     const char *name;
     enum rk_param_type type;
@@ -44,6 +51,8 @@ struct rk_param {
     bool later;  /* it came when studies had been run: at its default no key or identity has it */
     bool silent; /* nothing of a run depends on it: no key, identity or run's file has it */
     bool after_preparation; /* of a group that prepares: this one does not, see below */
+    struct rk_param_need needs[RK_PARAM_NEEDS]; /* any of them; none: it always acts */
+    bool needs_all;                             /* ... or all of them */
 };
 
 /* A run begins from something prepared (a settled bed), which runs with the same preparation share.
@@ -88,6 +97,14 @@ struct rk_param_ref rk_param_at(const struct rk_param_table *table, size_t i);
 
 /* The parameter of that path; row == NULL when there is none. */
 struct rk_param_ref rk_param_find(const struct rk_param_table *table, const char *path);
+
+/* Does it act beside the other values, or could it be anything? A table may lack what is needed:
+ * then it acts. `text`: what it needs, "a: x or y", to be read after "only with". */
+bool rk_param_acts(const struct rk_param_table *table, struct rk_param_ref ref, const void *values);
+void rk_param_needs(const struct rk_param *row, char *text, size_t size);
+
+/* Read yes, no, true, false, on or off, in small letters, capitals or with a capital first. */
+bool rk_param_flag(const char *text, bool *flag);
 
 /* Write "prefix.name" to `path`. */
 void rk_param_path(struct rk_param_ref ref, char path[RK_PARAM_PATH]);

@@ -178,9 +178,13 @@ enum rk_status rk_bed_settle(struct rk_scene *scene, const struct rk_settle_spec
                              "settle.kinetic",
                              p->time, p->kinetic, settle->kinetic);
     }
-    enum rk_status status = rk_scene_step(scene, STRIDE, err);
+    struct rk_error why = RK_NO_ERROR;
+    enum rk_status status = rk_scene_step(scene, STRIDE, &why);
+    if (status == RK_EUNSTABLE) {
+        return rk_fail(err, status, "while the bed settled, %s", why.message);
+    }
     if (status) {
-        return status;
+        return rk_fail_as(err, &why);
     }
     rk_scene_slow_down(scene, 1 / (1 + settle->drag * STRIDE * dt));
     p->steps = rk_scene_steps(scene);

@@ -71,6 +71,12 @@ struct rk_cancel {
     void *context;
 };
 
+/* How a scene is shaken, to be told before it runs: A, A (2 pi/T)^2 in g, T, and about how high the
+ * bed stands. */
+struct rk_shaking {
+    double amplitude, acceleration, period, height;
+};
+
 struct rk_case {
     struct rk_piece piece;
     const struct rk_param_table *params;
@@ -83,6 +89,7 @@ struct rk_case {
     size_t (*grains)(const void *params);
     uint64_t (*preparation_steps)(const void *params); /* at most */
     struct rk_focus (*focus)(const void *params);
+    struct rk_shaking (*shaking)(const void *params); /* or NULL */
 
     /* The preparation, of parameters as rk_param_preparation gives them: the scene without grains,
      * which is the caller's; its grains, from `stream`; and a stride of some steps towards rest,

@@ -1,7 +1,8 @@
 #!/bin/sh
 # From nothing to large-deviation functions: sh cases/quickstart.sh
-# Installs what is missing, builds reckon, shakes the Brazil-nut box with walls and with periodic
-# sides, and analyses it. A second call finds everything done.
+# Installs what is missing for it (not h5py, for reading runs in Python: sh packages.sh tests), builds
+# reckon, shakes the Brazil-nut box with walls and with periodic sides, and analyses it. A second
+# call finds everything done.
 set -eu
 cd "$(dirname "$0")/.."
 sh packages.sh build

@@ -56,11 +56,18 @@ static const struct rk_piece *const caps[] = {&rk_cap_total, &rk_cap_elastic};
 const struct rk_registry rk_cap_registry = {"cap", "the normal force that bounds friction", caps,
                                             2};
 
-#define REAL(member, units, fallback, least, open, most, text)                                     \
+/* What a row acts beside. */
+#define ALWAYS .needs_all = false
+#define WITH(what, values) .needs = {{"contact." what, values}}
+#define WITH_ANY(what, values, other, others)                                                      \
+    .needs = {{"contact." what, values}, {"contact." other, others}}
+#define WITH_ALL(what, values, other, others)                                                      \
+    .needs_all = true, WITH_ANY(what, values, other, others)
+#define REAL(member, units, fallback, least, open, most, text, effect)                             \
     {                                                                                              \
         .name = #member, .type = RK_PARAM_REAL,                                                    \
         .offset = offsetof(struct rk_contact_spec, member), .unit = units, .value = fallback,      \
-        .low = least, .above_low = open, .high = most, .doc = text                                 \
+        .low = least, .above_low = open, .high = most, .doc = text, effect                         \
     }
 #define PIECE(member, fallback, registry, text)                                                    \
     {                                                                                              \
@@ -80,20 +87,33 @@ const struct rk_param rk_contact_params[RK_CONTACT_PARAMS] = {
      .choice = "total",
      .choices = &rk_cap_registry,
      .later = true,
-     .doc = "normal force that bounds friction (used with friction)"},
-    REAL(kn, "m g/d", 1000, 0, true, 1e15, "normal stiffness (linear, mass-damped)"),
+     .doc = "normal force that bounds friction (used with friction)",
+     WITH("friction", "cundall-strack haff-werner")},
+    REAL(kn, "m g/d", 1000, 0, true, 1e15, "normal stiffness (linear, mass-damped)", ALWAYS),
     REAL(damping, "", 1, 0, false, 1e3,
-         "gamma / (2 sqrt(kn m_min)), m_min the smallest grain's mass; 1 is Martins 2021"),
+         "gamma / (2 sqrt(kn m_min)), m_min the smallest grain's mass; 1 is Martins 2021",
+         WITH_ALL("law", "linear mass-damped", "restitution", "0")),
     REAL(restitution, "", 0, 0, false, 1,
-         "0: use damping. Else the restitution of two smallest grains, from which damping follows"),
-    REAL(kt, "m g/d", 750, 0, false, 1e15, "tangential stiffness (cundall-strack, rolling)"),
-    REAL(mu, "", 0.5, 0, false, 1e6, "coefficient of friction (used with friction)"),
-    REAL(gamma_t, "m sqrt(g/d)", 5, 0, false, 1e15, "tangential damping (haff-werner)"),
-    REAL(mu_rolling, "", 0.05, 0, false, 1e6, "coefficient of rolling resistance (spring)"),
-    REAL(young, "m g/d^2", 1e4, 0, true, 1e15, "elastic modulus of a grain (viscoelastic)"),
-    REAL(loss, "sqrt(d/g)", 0.01, 0, false, 1e6, "A, the time of viscous loss (viscoelastic)"),
+         "0: use damping. Else the restitution of two smallest grains, from which damping follows",
+         WITH("law", "linear mass-damped")),
+    REAL(kt, "m g/d", 750, 0, false, 1e15, "tangential stiffness (cundall-strack, rolling)",
+         WITH_ANY("friction", "cundall-strack", "rolling", "spring")),
+    REAL(mu, "", 0.5, 0, false, 1e6, "coefficient of friction (used with friction)",
+         WITH("friction", "cundall-strack haff-werner")),
+    REAL(gamma_t, "m sqrt(g/d)", 5, 0, false, 1e15, "tangential damping (haff-werner)",
+         WITH("friction", "haff-werner")),
+    REAL(mu_rolling, "", 0.05, 0, false, 1e6, "coefficient of rolling resistance (spring)",
+         WITH("rolling", "spring")),
+    REAL(young, "m g/d^2", 1e4, 0, true, 1e15, "elastic modulus of a grain (viscoelastic)",
+         WITH("law", "viscoelastic")),
+    REAL(loss, "sqrt(d/g)", 0.01, 0, false, 1e6, "A, the time of viscous loss (viscoelastic)",
+         WITH("law", "viscoelastic")),
 };
 #undef REAL
+#undef ALWAYS
+#undef WITH
+#undef WITH_ANY
+#undef WITH_ALL
 #undef PIECE
 
 /* ---- Damping ----------------------------------------------------------------------------------

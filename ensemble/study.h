@@ -76,6 +76,8 @@ struct rk_until {
     char quantity[RK_NAME];           /* a scalar of its results */
     double half_width, level;
     uint64_t max_replicas, batch;
+    size_t capped; /* points, of those decided, that need more than max_replicas ... */
+    double needed; /* ... and the most that one of them needs (rk_target_settle) */
 };
 extern const struct rk_param_table rk_until_params; /* half_width, level, max_replicas, batch */
 
@@ -99,6 +101,8 @@ struct rk_study_key {
 };
 extern const struct rk_registry rk_study_key_registry;
 
+enum { RK_DOUBTS_MAX = 8 };
+
 struct rk_study {
     char name[RK_NAME];
     const struct rk_case *scene;
@@ -115,6 +119,9 @@ struct rk_study {
     size_t request_count;
     struct rk_until until;
     struct rk_retry retry;
+    struct rk_error doubts[RK_DOUBTS_MAX]; /* of what is written and has no effect, or cannot be had
+                                              of these points: with its place */
+    size_t doubt_count;
 };
 
 /* Read and resolve a study file. *study is the caller's, free with rk_study_free.

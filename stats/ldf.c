@@ -22,9 +22,8 @@ enum rk_status rk_ldf_check_options(const struct rk_ldf_options *options, struct
                              "%llu points; it takes an odd number from 5 to 10001",
                              (unsigned long long)options->points);
     }
-    bool chosen = options->k_low != 0 || options->k_high != 0;
-    if (chosen && !(isfinite(options->k_low) && isfinite(options->k_high) && options->k_low < 0 &&
-                    options->k_high > 0)) {
+    if (!isfinite(options->k_low) || !isfinite(options->k_high) || options->k_low > 0 ||
+        options->k_high < 0) {
         return rk_fail(err, RK_EINVALID, "the range of k, %g to %g, must be finite with 0 inside",
                        options->k_low, options->k_high);
     }

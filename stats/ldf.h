@@ -8,11 +8,12 @@
  * rk_rate_options: intervals in a library call, drive periods in a study. */
 struct rk_ldf_options {
     uint64_t window;
-    uint64_t from, to;    /* to = 0: the end */
-    uint64_t bootstrap;   /* replicates, at least 100 */
-    uint64_t points;      /* values of k, odd, at least 5 */
-    double level;         /* of every interval, 0.5 to 0.999 */
-    double k_low, k_high; /* the range of k, k_low < 0 < k_high; both 0: chosen from the data */
+    uint64_t from, to;  /* to = 0: the end */
+    uint64_t bootstrap; /* replicates, at least 100 */
+    uint64_t points;    /* values of k, odd, at least 5 */
+    double level;       /* of every interval, 0.5 to 0.999 */
+    double k_low,
+        k_high; /* the range of k, k_low < 0 < k_high; 0: that end is chosen from the data */
 };
 enum { RK_LDF_PARAMS = 6 };
 extern const struct rk_param rk_ldf_params[RK_LDF_PARAMS];
@@ -90,11 +91,11 @@ struct rk_ldf {
     struct rk_ldf_work *work;        /* private: what the functions of the other ldf headers need */
 };
 
-/* Estimate it from a series, which must stay until rk_ldf_free: windows of one sample are not copied
- * (rk_windows_create). The stream (RK_FOR_BOOTSTRAP) is copied, not advanced.
- * RK_EREFUSED: no whole window; all windows equal (I is then 0 there and infinite elsewhere, and
- * no interval means anything); fewer than 5 independent units (stats/units.h). RK_EINVALID: options
- * out of range, data not finite, or a k range so wide that k tau A is not a number. */
+/* Estimate it from a series, which must stay until rk_ldf_free: windows of one sample are not
+ * copied (rk_windows_create). The stream (RK_FOR_BOOTSTRAP) is copied, not advanced. RK_EREFUSED:
+ * no whole window; all windows equal (I is then 0 there and infinite elsewhere, and no interval
+ * means anything); fewer than 5 independent units (stats/units.h). RK_EINVALID: options out of
+ * range, data not finite, or a k range so wide that k tau A is not a number. */
 enum rk_status rk_ldf_estimate(struct rk_ldf **out, const struct rk_series *series,
                                enum rk_series_mode mode, const struct rk_ldf_options *options,
                                const struct rk_stream *stream, struct rk_error *err);

@@ -30,9 +30,8 @@ static enum rk_status lay_grid(struct rk_ldf *ldf, struct rk_ldf_work *work,
                                struct rk_error *err) {
     size_t half = work->points / 2;
     double unit = work->tilt.scale * ldf->tau; /* theta = k unit */
-    bool chosen = options->k_low != 0;
-    double low = chosen ? options->k_low * unit : reach[0];
-    double high = chosen ? options->k_high * unit : reach[1];
+    double low = options->k_low < 0 ? options->k_low * unit : reach[0];
+    double high = options->k_high > 0 ? options->k_high * unit : reach[1];
     double span = (work->tilt.high - work->tilt.low) * fmax(-low, high);
     if (!isfinite(low / unit) || !isfinite(high / unit) || !isfinite(span) || !(low < 0) ||
         !(high > 0)) {

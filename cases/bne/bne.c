@@ -48,7 +48,8 @@ const struct rk_param rk_bne_intruder_params[RK_BNE_INTRUDER_PARAMS] = {
      .low = 0,
      .high = 1e6,
      .doc = "its coefficient of friction over that of the grains; the geometric mean acts",
-     .later = true},
+     .later = true,
+     .needs = {{"contact.friction", "cundall-strack haff-werner"}}},
 };
 #undef AT
 
@@ -74,7 +75,9 @@ static const struct rk_param box_rows[] = {
      .offset = AT(rough),
      .unit = "",
      .value = 1,
-     .doc = "side walls have the friction of the grains (the plate always has)"},
+     .doc = "side walls have the friction of the grains (the plate always has)",
+     .needs = {{"box.sides", "walls"}, {"contact.friction", "cundall-strack haff-werner"}},
+     .needs_all = true},
     {.name = "tilt",
      .type = RK_PARAM_REAL,
      .offset = AT(tilt),
@@ -195,6 +198,20 @@ static uint64_t bne_preparation_steps(const void *params) {
 static struct rk_focus bne_focus(const void *params) {
     (void)params;
     return (struct rk_focus){.grain = 0, .wall = 0};
+}
+
+static double amplitude_of(const struct rk_bne *bne) {
+    double w = 2 * M_PI / bne->drive.period;
+    return bne->drive.acceleration / (w * w);
+}
+
+/* Discs of diameter 1 that came to rest fill about 0.82 of the plane, those at rest without
+ * friction a little more: good enough to compare a stroke with. */
+static struct rk_shaking bne_shaking(const void *params) {
+    const struct rk_bne *bne = params;
+    double d = bne->intruder.diameter, area = M_PI_4 * ((double)bne->grains.count + d * d);
+    return (struct rk_shaking){amplitude_of(bne), bne->drive.acceleration, bne->drive.period,
+                               area / (0.82 * bne->box.width)};
 }
 
 /* ---- Do the parameters fit? ---------------------------------------------------------------------
@@ -334,11 +351,10 @@ static enum rk_status open_box(const struct rk_bne *bne, double dt, struct rk_sc
     return status;
 }
 
-static struct rk_drive_spec shaking(const struct rk_bne *bne) {
-    double w = 2 * M_PI / bne->drive.period;
+static struct rk_drive_spec drive_of(const struct rk_bne *bne) {
     return (struct rk_drive_spec){
         .kind = rk_registry_find(&rk_drive_registry, "sinusoid"),
-        .amplitude = bne->drive.acceleration / (w * w),
+        .amplitude = amplitude_of(bne),
         .period = bne->drive.period,
         .phase = bne->drive.phase,
         .direction = {0, 1},
@@ -388,7 +404,7 @@ static enum rk_status bne_settle(const void *prepared, struct rk_scene *scene,
 /* The settled bed begins to be shaken: the clock starts and the box gets its drive. */
 static enum rk_status bne_start(const void *params, struct rk_scene *scene, struct rk_error *err) {
     const struct rk_bne *bne = params;
-    struct rk_drive_spec drive = shaking(bne);
+    struct rk_drive_spec drive = drive_of(bne);
     rk_scene_set_neighbours(scene, bne->accuracy.neighbour);
     enum rk_status status = rk_scene_restart_clock(scene, bne_schedule(bne).dt, err);
     for (size_t w = 0; status == RK_OK && w < rk_scene_walls(scene); w++) {
@@ -405,6 +421,7 @@ const struct rk_case rk_case_bne = {
     .grains = bne_grains,
     .preparation_steps = bne_preparation_steps,
     .focus = bne_focus,
+    .shaking = bne_shaking,
     .box = bne_box,
     .fill = bne_fill,
     .settle = bne_settle,

@@ -100,6 +100,11 @@ static struct rk_focus neighbours_focus(const void *params) {
     return rk_case_bne.focus(&bne);
 }
 
+static struct rk_shaking neighbours_shaking(const void *params) {
+    struct rk_bne bne = as_bne(params);
+    return rk_case_bne.shaking(&bne);
+}
+
 /* ---- Do the parameters fit? ---------------------------------------------------------------------
  */
 
@@ -182,6 +187,7 @@ const struct rk_case rk_case_neighbours = {
     .grains = neighbours_grains,
     .preparation_steps = neighbours_preparation_steps,
     .focus = neighbours_focus,
+    .shaking = neighbours_shaking,
     .box = neighbours_box,
     .fill = neighbours_fill,
     .settle = neighbours_settle,

@@ -106,6 +106,8 @@ static void picture(const struct rk_picture *p, FILE *out) {
     fprintf(out, "unset multiplot\n");
 }
 
-static const struct rk_analysis_methods methods = {.picture = picture, .panels = true};
+static const char *const quantities[] = {"alpha", "beta", "identity", "linked", NULL};
+static const struct rk_analysis_methods methods = {
+    .picture = picture, .panels = true, .quantities = quantities};
 const struct rk_analysis rk_drawing_forces = {
     {"forces", "distribution of contact forces"}, NULL, &methods};

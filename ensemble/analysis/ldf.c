@@ -71,6 +71,35 @@ static enum rk_status check(const void *params, const struct rk_schedule *schedu
     return RK_OK;
 }
 
+/* Only rate functions of windows of one length are compared, and a window is whole periods. */
+static enum rk_status doubt_points(const void *params, const struct rk_study *study,
+                                   struct rk_error *err) {
+    const struct rk_ldf_request *request = params;
+    size_t others = 0, last = 0;
+    if (!request->compare) {
+        return RK_OK;
+    }
+    double window = (double)request->options.window;
+    double first = window * study->scene->schedule(study->points[0].params).period, its = first;
+    for (size_t p = 1; p < study->point_count; p++) {
+        double tau = window * study->scene->schedule(study->points[p].params).period;
+        if (fabs(tau - first) > 1e-9 * first) {
+            others++;
+            last = p;
+            its = tau;
+        }
+    }
+    return others == 0
+               ? RK_OK
+               : rk_fail_about(err, RK_EINVALID, "compare",
+                               "ldf: compare: %zu of %zu points will not be compared with the "
+                               "first, '%s': %.0f period%s %s %.4g sqrt(d/g) there and %.4g in "
+                               "'%s', and only rate functions of windows of one length can be",
+                               others, study->point_count - 1, study->points[0].name, window,
+                               window == 1 ? "" : "s", window == 1 ? "is" : "are", first, its,
+                               study->points[last].name);
+}
+
 /* Of the intruder's velocity. */
 static struct rk_ldf_units velocity_units(void) {
     return rk_ldf_units_of("sqrt(g d)");
@@ -241,6 +270,7 @@ static const char *const quantities[] = {"minimum", "at_zero", "curvature", NULL
 
 static const struct rk_analysis_methods methods = {
     .check = check,
+    .doubt_points = doubt_points,
     .estimate = estimate,
     .title = "large-deviation function of the intruder's vertical velocity, relative to the plate",
     .head = head,

@@ -5,7 +5,8 @@
 
 #include <stdio.h>
 
-/* " over tau = 3.95 sqrt(d/g)" where all the curves have the same window, else "". */
+/* " over 3.95 sqrt(d/g)" where all the curves have the same window, else "". Of a file's data the
+ * unit is not known. */
 static void say_tau(const struct rk_picture *p, char *text, size_t size) {
     const struct rk_value *tau = rk_result_find(p->panels[0].result, "tau");
     text[0] = '\0';
@@ -14,7 +15,9 @@ static void say_tau(const struct rk_picture *p, char *text, size_t size) {
             return;
         }
     }
-    snprintf(text, size, " over %.4g %s", tau->numbers[0], tau->unit);
+    bool known = tau->unit[0] != '\0';
+    snprintf(text, size, known ? " over %.4g %s" : " over a time of %.4g (units of the data)%s",
+             tau->numbers[0], tau->unit);
 }
 
 static void write_axes(const struct rk_picture *p, FILE *out) {

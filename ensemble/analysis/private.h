@@ -60,6 +60,10 @@ struct rk_analysis_methods {
     enum rk_status (*estimate_all)(const void *params, const struct rk_point_values *values,
                                    const struct rk_stream *stream, struct rk_result *result,
                                    struct rk_error *err);
+    /* Can what it asks of the points be had of none or not all of them? RK_EINVALID: a sentence
+     * that warns, with err->subject. NULL: there is nothing of the kind. */
+    enum rk_status (*doubt_points)(const void *params, const struct rk_study *study,
+                                   struct rk_error *err);
     /* The closing table: its title, the head of its columns, and a row without line end. */
     const char *title, *head;
     void (*headline)(const struct rk_result *result, FILE *out);
@@ -70,7 +74,7 @@ struct rk_analysis_methods {
     void (*picture)(const struct rk_picture *picture, FILE *out);
     bool panels;                   /* one panel a point, otherwise all points in one */
     const char *const *quantities; /* the scalars that it gives an interval, NULL at the end: what
-                                      `until` may be about */
+                                      `until` may be about, unless it is of all points */
 };
 
 extern const struct rk_analysis rk_analysis_rise, rk_analysis_ldf, rk_analysis_pdf,

@@ -72,7 +72,8 @@ void rk_report_free(struct rk_report *report);
 
 /* Write `folder`/analysis: for each analysis a table of its scalars (LABEL.csv), a table a point
  * (LABEL.POINT.csv), everything as LABEL.json, and a picture with its script (LABEL.gp, .png).
- * Each file is complete or as it was. A picture that cannot be drawn is a notice, no failure. */
+ * Each file is complete or as it was. A picture that cannot be drawn is a notice, no failure. Files
+ * that it wrote another time and not now are removed (written.h). */
 enum rk_status rk_report_write(const struct rk_report *report, const char *folder,
                                const struct rk_notice *notice, struct rk_error *err);
 

@@ -2,6 +2,7 @@
 #include "ensemble/analysis/plot.h"
 #include "ensemble/analysis/private.h"
 #include "ensemble/analysis/report.h"
+#include "ensemble/analysis/written.h"
 #include "ensemble/store/files.h"
 
 #include <ctype.h>
@@ -19,7 +20,14 @@ struct page {
     void (*draw)(const struct rk_picture *picture, FILE *out); /* commands of a script */
     bool panels;
     void (*write)(const struct page *page, FILE *out);
+    FILE *names; /* of the files that were written, a line each; NULL: nobody asks */
 };
+
+static void note_name(const struct page *page, const char *name, const char *ending) {
+    if (page->names) {
+        fprintf(page->names, "%s%s\n", name, ending);
+    }
+}
 
 static void write_summary(const struct page *page, FILE *out) {
     rk_outcomes_write_csv(page->entry->outcomes, page->entry->outcome_count, out);
@@ -58,6 +66,7 @@ static enum rk_status write_file(const char *folder, const char *name, const str
     status = good ? rk_file_replace(path.text, text, size, err)
                   : rk_fail(err, RK_EMEMORY, "out of memory");
     free(text);
+    note_name(page, name, "");
     return status;
 }
 
@@ -72,6 +81,7 @@ static enum rk_status draw(struct page page, const struct rk_picture *picture, c
     if (status == RK_OK && rk_plot_run(folder, script, &trouble) != RK_OK) {
         rk_notice_say(notice, "%s", trouble.message);
     }
+    note_name(&page, picture->name, ".png");
     return status;
 }
 
@@ -108,13 +118,15 @@ static enum rk_status draw_entry(const struct page *page, const char *folder,
 
 static enum rk_status write_entry(const struct rk_report *report,
                                   const struct rk_report_entry *entry, const char *folder,
-                                  const struct rk_notice *notice, struct rk_error *err) {
+                                  const struct rk_notice *notice, FILE *names,
+                                  struct rk_error *err) {
     const struct rk_analysis_methods *methods = entry->request->analysis->methods;
     struct page page = {.report = report,
                         .entry = entry,
                         .draw = methods->picture,
                         .panels = methods->panels,
-                        .write = write_summary};
+                        .write = write_summary,
+                        .names = names};
     char name[3 * RK_NAME];
     snprintf(name, sizeof name, "%s.csv", entry->label);
     enum rk_status status = write_file(folder, name, &page, err);
@@ -138,13 +150,26 @@ static enum rk_status write_entry(const struct rk_report *report,
 enum rk_status rk_report_write(const struct rk_report *report, const char *folder,
                                const struct rk_notice *notice, struct rk_error *err) {
     struct rk_path place;
+    char *text = NULL;
+    size_t size = 0;
     enum rk_status status = rk_path_set(&place, err, "%s/analysis", folder);
     if (status == RK_OK) {
         status = rk_folder_make(place.text, err);
     }
-    for (size_t i = 0; i < report->count && status == RK_OK; i++) {
-        status = write_entry(report, &report->entries[i], place.text, notice, err);
+    FILE *names = status == RK_OK ? open_memstream(&text, &size) : NULL;
+    if (status == RK_OK && !names) {
+        status = rk_fail(err, RK_EMEMORY, "out of memory");
     }
+    for (size_t i = 0; i < report->count && status == RK_OK; i++) {
+        status = write_entry(report, &report->entries[i], place.text, notice, names, err);
+    }
+    if (names && fclose(names) != 0 && status == RK_OK) {
+        status = rk_fail(err, RK_EMEMORY, "out of memory");
+    }
+    if (status == RK_OK) {
+        status = rk_written_settle(place.text, text, notice, err);
+    }
+    free(text);
     return status;
 }
 
@@ -184,7 +209,7 @@ static enum rk_status split_path(const char *path, char folder[4096], char name[
         return rk_fail(err, RK_EINVALID,
                        "'%.200s' cannot be the name of a picture: it must end in .png and be made "
                        "of letters, digits, '-', '_' and '.'",
-                       path);
+                       base);
     }
     snprintf(folder, 4096, "%.*s", slash ? (int)before : 1, slash ? path : ".");
     snprintf(name, RK_NAME, "%.*s", (int)(length - 4), base);

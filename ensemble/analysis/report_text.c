@@ -109,7 +109,7 @@ static void write_entry(const struct rk_report_entry *entry, struct rk_json *jso
         rk_json_count(json, "failed", o->failed);
         rk_json_count(json, "missing", o->missing);
         rk_json_count(json, "retried", o->retried);
-        rk_result_write_json(&o->result, json);
+        rk_result_write_json(&o->result, entry->request->analysis->methods->quantities, json);
         rk_json_close(json);
     }
     rk_json_close(json);

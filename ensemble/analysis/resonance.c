@@ -260,6 +260,8 @@ static void picture(const struct rk_picture *p, FILE *out) {
     fprintf(out, "unset multiplot\n");
 }
 
+static const char *const quantities[] = {"position", "height", "width", NULL};
+
 static const struct rk_analysis_methods methods = {
     .check = check,
     .check_points = rk_resonance_check_points,
@@ -274,6 +276,7 @@ static const struct rk_analysis_methods methods = {
     .remains = remains,
     .picture = picture,
     .panels = true,
+    .quantities = quantities,
 };
 
 const struct rk_analysis rk_analysis_resonance = {

@@ -183,7 +183,25 @@ void rk_outcomes_write_csv(const struct rk_outcome *outcomes, size_t count, FILE
     }
 }
 
-void rk_result_write_json(const struct rk_result *result, struct rk_json *json) {
+/* The parts of an interval that are not there. */
+static void write_missing(const struct rk_result *result, const char *quantity,
+                          struct rk_json *json) {
+    static const char *const ends[] = {"", "_low", "_high"};
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "%s%s", quantity, ends[i]);
+        if (!rk_result_find(result, name)) {
+            rk_json_open_map(json, name);
+            rk_json_text(json, "doc", "not estimated");
+            rk_json_text(json, "unit", "");
+            rk_json_number(json, "value", (double)NAN);
+            rk_json_close(json);
+        }
+    }
+}
+
+void rk_result_write_json(const struct rk_result *result, const char *const *expected,
+                          struct rk_json *json) {
     rk_json_flag(json, "refused", result->refused);
     rk_json_text(json, "verdict", result->verdict);
     rk_json_open_map(json, "values");
@@ -200,6 +218,9 @@ void rk_result_write_json(const struct rk_result *result, struct rk_json *json) 
             rk_json_numbers(json, "value", value->count, value->numbers);
         }
         rk_json_close(json);
+    }
+    for (size_t i = 0; expected && expected[i]; i++) {
+        write_missing(result, expected[i], json);
     }
     rk_json_close(json);
 }

@@ -70,8 +70,10 @@ struct rk_outcome {
 /* The scalars of the outcomes as CSV, a row each, after point, used, failed and missing. */
 void rk_outcomes_write_csv(const struct rk_outcome *outcomes, size_t count, FILE *out);
 
-/* Everything, as JSON. */
+/* Everything, as JSON. Of the `expected` intervals (names, NULL at the end; NULL: none) those that
+ * the result does not have, because it is refused or of another form, are written as null. */
 struct rk_json;
-void rk_result_write_json(const struct rk_result *result, struct rk_json *json);
+void rk_result_write_json(const struct rk_result *result, const char *const *expected,
+                          struct rk_json *json);
 
 #endif

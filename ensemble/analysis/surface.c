@@ -121,6 +121,51 @@ static void headline(const struct rk_result *result, FILE *out) {
     fprintf(out, "%-9s %-21s %s", share, median, mean);
 }
 
+/* Key entries without a line stand for what is not drawn, so that panels are of one height. */
+static void write_missing(const char *text, FILE *out) {
+    fprintf(out, "  keyentry with lines linecolor rgb \"#ffffff\" title \"%s\"", text);
+}
+
+static void draw_interval(const struct rk_panel *panel, const char *colour, FILE *out) {
+    if (rk_result_number(panel->result, "reached") > 0) {
+        fprintf(out,
+                "  \"%s\" using (column(\"time\")):(column(\"below\")):(column(\"time\")):"
+                "(column(\"until\")):(column(\"below_low\")):(column(\"below_high\")) with "
+                "boxxyerror fillcolor rgb \"#c0%s\" title \"%g %% interval\"",
+                panel->file, colour, 100 * rk_result_number(panel->result, "level"));
+    } else {
+        write_missing("no interval of the share", out);
+    }
+}
+
+static void draw_panel(const struct rk_panel *panel, const char *colour, FILE *out) {
+    const struct rk_result *r = panel->result;
+    char median[96], mean[96], text[160];
+    rk_analysis_say(median, sizeof median, 3, r, "median");
+    rk_analysis_say(mean, sizeof mean, 3, r, "mean");
+    fprintf(out, "set title \"%s: to %.6g d\" noenhanced\nplot \\\n", panel->point,
+            rk_result_number(r, "height"));
+    draw_interval(panel, colour, out);
+    fprintf(out,
+            ", \\\n  \"%s\" using (column(\"time\")):(column(\"below\")):(column(\"until\")-"
+            "column(\"time\")):(0) with vectors nohead linewidth 2.5 linecolor rgb \"#%s\" "
+            "title \"%.0f of %.0f replicas got there, median %s%s\", \\\n",
+            panel->file, colour, rk_result_number(r, "reached"), rk_result_number(r, "replicas"),
+            median, isfinite(rk_result_number(r, "median")) ? " periods" : "");
+    if (isfinite(rk_result_number(r, "mean"))) {
+        fprintf(out,
+                "  exp(-x/%.17g) with lines linewidth 2 dashtype 2 linecolor rgb \"#000000\" "
+                "title \"constant chance, mean %s periods\"\n",
+                rk_result_number(r, "mean"), mean);
+    } else {
+        bool bounded = isfinite(rk_result_number(r, "mean_low"));
+        snprintf(text, sizeof text, "mean, if the chance is constant, %s%s", mean,
+                 bounded ? " periods" : "");
+        write_missing(text, out);
+        fprintf(out, "\n");
+    }
+}
+
 static void picture(const struct rk_picture *p, FILE *out) {
     rk_plot_begin_panels(p, "time since the start of the clock [periods]", out);
     fprintf(
@@ -128,39 +173,8 @@ static void picture(const struct rk_picture *p, FILE *out) {
         "set yrange [0:1.05]\nset xrange [0:*]\nset key below vertical height 1.2 font \",12\"\n"
         "set samples 500\n");
     for (size_t i = 0; i < p->count; i++) {
-        const struct rk_panel *panel = &p->panels[i];
-        const struct rk_result *r = panel->result;
-        const char *colour = rk_plot_colour(i);
-        char median[96], mean[96];
-        rk_analysis_say(median, sizeof median, 3, r, "median");
-        rk_analysis_say(mean, sizeof mean, 3, r, "mean");
         rk_plot_panel(p, i, "share of the replicas that are not there yet", out);
-        fprintf(out,
-                "set title \"%s: to %.6g d, median %s%s\" noenhanced\n"
-                "plot \"%s\" using (column(\"time\")):(column(\"below\")):(column(\"time\")):"
-                "(column(\"until\")):(column(\"below_low\")):(column(\"below_high\")) with "
-                "boxxyerror fillcolor rgb \"#c0%s\" title \"%g %% interval\", \\\n"
-                "  \"%s\" using (column(\"time\")):(column(\"below\")):(column(\"until\")-"
-                "column(\"time\")):(0) with vectors nohead linewidth 2.5 linecolor rgb \"#%s\" "
-                "title \"Kaplan and Meier, %.0f of %.0f replicas got there\"",
-                panel->point, rk_result_number(r, "height"), median,
-                isfinite(rk_result_number(r, "median")) ? " periods" : "", panel->file, colour,
-                100 * rk_result_number(r, "level"), panel->file, colour,
-                rk_result_number(r, "reached"), rk_result_number(r, "replicas"));
-        if (isfinite(rk_result_number(r, "mean"))) {
-            fprintf(out,
-                    ", \\\n  exp(-x/%.17g) with lines linewidth 2 dashtype 2 linecolor rgb "
-                    "\"#000000\" title \"constant chance, mean %s periods\"",
-                    rk_result_number(r, "mean"), mean);
-        } else {
-            /* A line of the key in any case, so that panels are of one height. */
-            fprintf(
-                out,
-                ", \\\n  keyentry with lines linecolor rgb \"#ffffff\" title \"constant chance, "
-                "mean %s%s\"",
-                mean, isfinite(rk_result_number(r, "mean_low")) ? " periods" : "");
-        }
-        fprintf(out, "\n");
+        draw_panel(&p->panels[i], rk_plot_colour(i), out);
     }
     fprintf(out, "unset multiplot\n");
 }

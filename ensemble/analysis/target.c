@@ -152,6 +152,8 @@ enum rk_status rk_target_settle(const char *folder, struct rk_study *study, bool
                                 struct rk_error *err) {
     struct rk_plan *plan = NULL;
     *changed = false;
+    study->until.capped = 0;
+    study->until.needed = 0;
     if (!study->until.request) {
         return RK_OK;
     }
@@ -163,6 +165,9 @@ enum rk_status rk_target_settle(const char *folder, struct rk_study *study, bool
         if (status == RK_OK && target.decided) {
             study->points[p].replicas = target.replicas;
             *changed = *changed || target.replicas > before;
+            study->until.capped += target.capped;
+            study->until.needed =
+                target.capped ? fmax(study->until.needed, target.needed) : study->until.needed;
         }
     }
     rk_plan_free(plan);

@@ -37,6 +37,9 @@ enum rk_status rk_target_decide(const char *folder, const struct rk_plan *plan, 
 enum rk_status rk_target_settle(const char *folder, struct rk_study *study, bool *changed,
                                 struct rk_error *err);
 
+/* After rk_target_settle: say that some points need more than max_replicas, if so; else nothing. */
+void rk_target_print_capped(const struct rk_study *study, FILE *out);
+
 /* What became of it. */
 struct rk_target_outcome {
     struct rk_target target;

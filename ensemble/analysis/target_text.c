@@ -5,6 +5,19 @@
 
 #include <math.h>
 
+void rk_target_print_capped(const struct rk_study *study, FILE *out) {
+    const struct rk_until *until = &study->until;
+    if (until->capped > 0) {
+        fprintf(
+            out,
+            "until: %s of %s is not known to +- %.3g in %zu of %zu point%s: max_replicas, %llu, "
+            "is met, and %.0f would be needed\n",
+            until->quantity, until->request->analysis->piece.name, until->half_width, until->capped,
+            study->point_count, study->point_count == 1 ? "" : "s",
+            (unsigned long long)until->max_replicas, until->needed);
+    }
+}
+
 static void print_point(const char *name, const struct rk_target_outcome *o, double rate,
                         FILE *out) {
     if (!o->target.decided) {

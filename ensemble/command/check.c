@@ -80,10 +80,34 @@ static void print_threads(const struct rk_gain *gain) {
            gain->grains);
 }
 
+/* "1.5" or "1.2 to 1.8": a figure of the drives of all points: the member of struct rk_shaking
+ * there. */
+static const char *range_of(const struct rk_outlook *o, size_t offset, char text[64]) {
+    double low = INFINITY, high = -INFINITY;
+    for (size_t p = 0; p < o->study->point_count; p++) {
+        double x;
+        memcpy(&x, (const char *)&o->points[p].shaking + offset, sizeof x);
+        low = fmin(low, x);
+        high = fmax(high, x);
+    }
+    snprintf(text, 64, low < high ? "%.4g to %.4g" : "%.4g", low, high);
+    return text;
+}
+
+static void print_drive(const struct rk_outlook *o) {
+    char a[64], b[64], c[64];
+    if (o->study->scene->shaking) {
+        printf("\ndrive     amplitude %s d, from acceleration %s g and period %s sqrt(d/g)\n",
+               range_of(o, offsetof(struct rk_shaking, amplitude), a),
+               range_of(o, offsetof(struct rk_shaking, acceleration), b),
+               range_of(o, offsetof(struct rk_shaking, period), c));
+    }
+}
+
 static void print_beds(const struct rk_outlook *o) {
     size_t beds = o->plan->beds, runs = o->runs;
     char text[32];
-    printf("\nbeds      %zu to settle, ", beds);
+    printf("%sbeds      %zu to settle, ", o->study->scene->shaking ? "" : "\n", beds);
     if (beds == runs) {
         printf("one for each run");
     } else {
@@ -117,6 +141,7 @@ static void print(const struct rk_outlook *o) {
     if (study->point_count > shown) {
         print_rest(o, shown);
     }
+    print_drive(o);
     print_beds(o);
     printf("cost      %.3g grain-steps, settling included (at most)\n", o->cost);
     if (!isnan(o->speed.grain_steps)) {
@@ -167,6 +192,9 @@ static void print_json(const struct rk_outlook *o) {
         rk_json_count(&json, "beds_shared", o->plan->points[p].shared);
         rk_json_count(&json, "samples", f->samples);
         rk_json_count(&json, "frames", f->frames);
+        if (o->study->scene->shaking) {
+            rk_json_number(&json, "drive_amplitude", f->shaking.amplitude);
+        }
         rk_json_number(&json, "dt", f->dt);
         rk_json_number(&json, "stable_dt", f->stable_dt);
         rk_json_number(&json, "grain_steps", f->cost);

@@ -17,7 +17,7 @@ static void print(const struct rk_data_command *command, const struct rk_data_op
         if (command->integrates) {
             rk_json_flag(&json, "integral", data->integral);
         }
-        rk_result_write_json(result, &json);
+        rk_result_write_json(result, command->analysis->methods->quantities, &json);
         rk_json_close(&json);
     } else if (o->csv) {
         rk_result_write_csv(result, stdout);

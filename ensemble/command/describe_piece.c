@@ -90,7 +90,7 @@ static void print_needs(const struct rk_analysis_methods *methods) {
         printf(i == 0 ? "  gives intervals of  %s" : ", %s", methods->quantities[i]);
     }
     if (methods->quantities) {
-        printf(" (what `until` may ask for)\n");
+        printf(methods->estimate ? " (what `until` may ask for)\n" : "\n");
     }
 }
 

@@ -201,14 +201,15 @@ static void print_json(const struct rk_ldf_parts *parts, const struct rk_data *d
     rk_json_count(&json, "replicas", data->samples.replicas);
     rk_json_number(&json, "interval", data->interval);
     rk_json_flag(&json, "integral", data->integral);
-    rk_result_write_json(&parts->part[RK_LDF_CURVE].result, &json);
+    rk_result_write_json(&parts->part[RK_LDF_CURVE].result, rk_analysis_ldf.methods->quantities,
+                         &json);
     for (size_t i = RK_LDF_CURVE + 1; i < RK_LDF_PARTS; i++) {
         if (parts->part[i].asked) {
             rk_json_open_map(&json, about[i].name);
             if (i == RK_LDF_COMPARISON) {
                 rk_json_text(&json, "other", parts->other);
             }
-            rk_result_write_json(&parts->part[i].result, &json);
+            rk_result_write_json(&parts->part[i].result, NULL, &json);
             rk_json_close(&json);
         }
     }

@@ -1,5 +1,6 @@
 /* reckon: the program. It finds the subcommand, reads its options and reports what went wrong. */
 #include "base/piece.h"
+#include "ensemble/analysis.h"
 #include "ensemble/command/command.h"
 #include "rk_code.h"
 
@@ -60,6 +61,13 @@ static void print_version(void) {
 static int unknown_command(const char *name) {
     const char *nearest = rk_nearest_name(name, COMMANDS, command_name, commands);
     struct rk_error err = RK_NO_ERROR;
+    if (rk_registry_find(&rk_analysis_registry, name)) {
+        rk_fail(&err, RK_EINVALID,
+                "'%s' is an analysis, no command: a study names it ('analyses: [%s]') and 'reckon "
+                "analyze DIR' carries it out; 'reckon describe %s' says more",
+                name, name, name);
+        return rk_complain(&err);
+    }
     rk_fail(&err, RK_EINVALID, "there is no command '%.64s'%s", name,
             rk_hint_of(nearest, "; 'reckon --help' lists them").text);
     return rk_complain(&err);

@@ -69,6 +69,9 @@ static void look_at_point(struct rk_outlook *o, size_t p) {
         .dt = schedule.dt,
         .stable_dt = schedule.stable_dt,
     };
+    if (scene->shaking) {
+        f->shaking = scene->shaking(point->params);
+    }
     double settling = (double)f->grains * (double)f->preparation;
     f->cost = (double)f->grains * (double)f->steps + settling;
     f->disk = file_size(scene, f);
@@ -105,6 +108,36 @@ static void look_at_steps(struct rk_outlook *o) {
     if (o->study->point_count > MANY_POINTS) {
         warn(o, "%zu points: each has its own table and picture in the analyses",
              o->study->point_count);
+    }
+}
+
+/* A stroke that is hardly one, or would empty the box: as a rule a period or an acceleration in
+ * other units. A box that is at rest on purpose is none of these. */
+static void look_at_shaking(struct rk_outlook *o) {
+    const double least = 1e-3;
+    size_t count[2] = {0, 0}, which[2] = {0, 0};
+    for (size_t p = o->study->point_count; p-- > 0;) {
+        const struct rk_shaking *s = &o->points[p].shaking;
+        const bool odd[2] = {s->amplitude > s->height, s->amplitude > 0 && s->amplitude < least};
+        for (size_t i = 0; i < 2; i++) {
+            count[i] += odd[i];
+            which[i] = odd[i] ? p : which[i];
+        }
+    }
+    for (size_t i = 0; i < 2; i++) {
+        const struct rk_forecast *f = &o->points[which[i]];
+        char bound[64];
+        snprintf(bound, sizeof bound,
+                 i == 0 ? "more than the height of the bed, about %.3g d"
+                        : "less than %g of a grain",
+                 i == 0 ? f->shaking.height : least);
+        if (count[i] > 0) {
+            warn(
+                o,
+                "point %s%s: the drive's amplitude, acceleration times (period/2 pi)^2, is %.3g d: "
+                "%s",
+                f->name, count[i] > 1 ? " and others" : "", f->shaking.amplitude, bound);
+        }
     }
 }
 
@@ -230,7 +263,11 @@ enum rk_status rk_outlook_make(const struct rk_study *study, int threads, bool q
     for (size_t p = 0; p < study->point_count; p++) {
         look_at_point(o, p);
     }
+    for (size_t i = 0; i < study->doubt_count; i++) {
+        warn(o, "%s: %s", study->doubts[i].where, study->doubts[i].message);
+    }
     look_at_steps(o);
+    look_at_shaking(o);
     look_at_replicas(o);
     for (size_t i = 0; i < study->request_count; i++) {
         look_at_windows(o, &study->requests[i]);

@@ -11,6 +11,7 @@ struct rk_forecast {
     size_t grains;
     uint64_t steps, periods, samples, samples_per_period, frames, preparation;
     bool contacts;                    /* with every frame */
+    struct rk_shaking shaking;        /* period 0: nothing is known of it */
     double dt, stable_dt, cost, disk; /* of a run, its bed included in the cost */
 };
 
@@ -26,7 +27,7 @@ struct rk_outlook {
     size_t runs;
     double settling, beds_disk;                            /* what beds add to cost and disk */
     double cost, disk, memory, core_seconds, wall_seconds; /* of the whole study */
-    char warnings[RK_WARNINGS_MAX][256];
+    char warnings[RK_WARNINGS_MAX][512];
     size_t warning_count;
 };
 

@@ -308,6 +308,9 @@ static int run_to_target(const char *folder, struct rk_study *study, const struc
         if (part && leads && study->until.request && !o->quiet) {
             say_rest(study, more);
         }
+        if (leads && !more && !o->quiet && (code == RK_EXIT_DONE || code == RK_EXIT_REPLICAS)) {
+            rk_target_print_capped(study, stdout);
+        }
         more = more && !rk_ranks_wanted();
     }
     return code;
@@ -322,6 +325,10 @@ static int run_main(const void *values, size_t count, char *const *operands) {
         return code;
     }
     const char *folder = o->output ? o->output : study->name;
+    /* Of ranks each would say it. */
+    for (size_t i = 0; i < study->doubt_count && !rk_ranks_wanted(); i++) {
+        rk_warn("%s: %s", study->doubts[i].where, study->doubts[i].message);
+    }
     code = run_to_target(folder, study, o);
     rk_study_free(study);
     return code;

@@ -132,6 +132,7 @@ static void print_text(const char *folder, const struct rk_plan *plan, const str
     printf("  running  %8zu\n", running);
     printf("  stopped  %8zu\n", stopped);
     printf("  waiting  %8zu\n", open - running - stopped);
+    rk_target_print_capped(plan->study, stdout);
     if (open > 0) {
         printf("%zu of %zu beds settled\n", t->beds, plan->beds);
     }
@@ -189,6 +190,9 @@ static void print_json(const char *folder, const struct rk_plan *plan, const str
     rk_json_count(&json, "running", t->running);
     rk_json_count(&json, "started", t->count[RK_RUN_STARTED]);
     rk_json_count(&json, "waiting", t->count[RK_RUN_WAITING]);
+    if (plan->study->until.request) {
+        rk_json_count(&json, "points_that_need_more_than_max_replicas", plan->study->until.capped);
+    }
     rk_json_count(&json, "beds", plan->beds);
     rk_json_count(&json, "beds_settled", t->beds);
     rk_json_number(&json, "grain_steps_left", t->left);

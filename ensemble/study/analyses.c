@@ -76,6 +76,19 @@ static enum rk_status check_points(const struct rk_sources *sources, struct rk_s
     return status == RK_OK ? RK_OK : rk_fail_as(err, &why);
 }
 
+/* What cannot be had of these points is a doubt: the rest of the analysis can. */
+static void doubt_points(const struct rk_sources *sources, struct rk_spot map,
+                         struct rk_spot analysis, struct rk_yaml_place place,
+                         struct rk_study *study, const struct rk_request *request) {
+    const struct rk_analysis_methods *methods = request->analysis->methods;
+    struct rk_error why = RK_NO_ERROR;
+    if (study->doubt_count < RK_DOUBTS_MAX && methods->doubt_points &&
+        methods->doubt_points(request->params, study, &why) != RK_OK) {
+        locate(sources, map, analysis, place, &why);
+        study->doubts[study->doubt_count++] = why;
+    }
+}
+
 enum rk_status rk_study_check_fit(const struct rk_study *study, struct rk_error *err) {
     for (size_t i = 0; i < study->request_count; i++) {
         if (study->requests[i].unfit.status != RK_OK) {
@@ -86,7 +99,7 @@ enum rk_status rk_study_check_fit(const struct rk_study *study, struct rk_error 
 }
 
 static enum rk_status read_request(const struct rk_sources *sources, struct rk_spot spot,
-                                   const struct rk_study *study, struct rk_request *request,
+                                   struct rk_study *study, struct rk_request *request,
                                    struct rk_error *err) {
     const char *name = NULL;
     struct rk_yaml_place place = spot.node->place;
@@ -117,7 +130,11 @@ static enum rk_status read_request(const struct rk_sources *sources, struct rk_s
             locate(sources, map, spot, place, err);
         }
     }
-    return status == RK_OK ? check_points(sources, spot, place, study, request, err) : status;
+    if (status == RK_OK) {
+        doubt_points(sources, map, spot, place, study, request);
+        status = check_points(sources, spot, place, study, request, err);
+    }
+    return status;
 }
 
 enum rk_status rk_study_read_analyses(const struct rk_sources *sources, struct rk_study *study,

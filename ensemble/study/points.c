@@ -141,26 +141,30 @@ static enum rk_status read_sweep(struct reader *r) {
 
 /* ---- Expanding ---- */
 
-/* A parameter that does not fit the others: say where it was written, on an axis, in the point,
- * else in a base; a default that nobody wrote is the case's. */
-static void locate(const struct reader *r, const struct root *root, size_t i) {
-    if (!r->err) {
-        return;
-    }
-    const char *subject = r->err->subject;
+/* Where the parameter `path` of point `i` of the sweep of `root` was written: on an axis, in the
+ * point, else in a base; node == NULL: nowhere, it is the case's default. */
+static struct rk_spot find_spot(const struct reader *r, const struct root *root, size_t i,
+                                const char *path) {
     for (size_t a = 0; a < r->study->axis_count; a++) {
-        if (strcmp(r->study->axes[a].path, subject) == 0) {
-            rk_spot_locate(r->places.spots[a][rk_sweep_value(r->study, a, i)], r->err);
-            return;
+        if (strcmp(r->study->axes[a].path, path) == 0) {
+            return r->places.spots[a][rk_sweep_value(r->study, a, i)];
         }
     }
-    struct rk_spot spot = rk_study_find_param(root->spot, subject);
+    struct rk_spot spot = rk_study_find_param(root->spot, path);
     for (size_t t = r->sources->count; t-- > 0 && !spot.node;) {
         const struct rk_yaml *tree = r->sources->trees[t];
         struct rk_spot base = {tree, rk_yaml_member(tree, rk_yaml_root(tree), "base")};
-        spot = rk_study_find_param(base, subject);
+        spot = rk_study_find_param(base, path);
     }
-    rk_spot_locate(spot.node ? spot : rk_sources_find(r->sources, "case"), r->err);
+    return spot;
+}
+
+/* A parameter that does not fit the others: say where it was written. */
+static void locate(const struct reader *r, const struct root *root, size_t i) {
+    if (r->err) {
+        struct rk_spot spot = find_spot(r, root, i, r->err->subject);
+        rk_spot_locate(spot.node ? spot : rk_sources_find(r->sources, "case"), r->err);
+    }
 }
 
 /* Of a sweep's many points the message tells which one. */
@@ -213,6 +217,12 @@ static enum rk_status expand(struct reader *r) {
         status = make_point(r, &r->roots[i / each], i % each, &r->study->points[i]);
     }
     return status;
+}
+
+static struct rk_spot spot_of(const void *context, size_t point, const char *path) {
+    const struct reader *r = context;
+    size_t each = rk_sweep_points(r->study);
+    return find_spot(r, &r->roots[point / each], point % each, path);
 }
 
 /* ---- No two points alike ---- */
@@ -326,6 +336,9 @@ enum rk_status rk_study_read_points(const struct rk_sources *sources, struct rk_
     }
     if (status == RK_OK) {
         status = check_unique(&r);
+    }
+    if (status == RK_OK) {
+        rk_study_doubt(study, spot_of, &r);
     }
     clear(&r);
     free(base);

@@ -73,6 +73,11 @@ uint64_t rk_preparer_identify(struct rk_preparer *preparer, const void *own, con
 
 void rk_identity_write(XXH128_hash_t hash, char identity[RK_IDENTITY]);
 
+/* Note what was written of the points and has no effect on them: study->doubts. `spot`: where a
+ * parameter of a point was written. */
+typedef struct rk_spot rk_spot_finder(const void *context, size_t point, const char *path);
+void rk_study_doubt(struct rk_study *study, rk_spot_finder *spot, const void *context);
+
 /* Who shares whose beds: plan->beds and points[].shared. */
 enum rk_status rk_plan_share_beds(struct rk_plan *plan, struct rk_error *err);
 

@@ -48,12 +48,9 @@ static enum rk_status read_log(struct rk_spot map, bool *log, struct rk_error *e
     if (!at.node) {
         return RK_OK;
     }
-    bool text = at.node->kind == RK_YAML_TEXT;
-    if (!text || (strcmp(at.node->text, "yes") != 0 && strcmp(at.node->text, "no") != 0)) {
-        return rk_spot_wrong(at, err, "log: yes or no is expected here");
-    }
-    *log = strcmp(at.node->text, "yes") == 0;
-    return RK_OK;
+    return at.node->kind == RK_YAML_TEXT && rk_param_flag(at.node->text, log)
+               ? RK_OK
+               : rk_spot_wrong(at, err, "log: yes or no is expected here");
 }
 
 enum rk_status rk_range_check_count(struct rk_spot at, double count, size_t *out,

@@ -126,8 +126,14 @@ static enum rk_status read_case(const struct rk_sources *sources, struct rk_stud
     const struct rk_piece *piece = rk_registry_find(&rk_case_registry, spot.node->text);
     if (!piece) {
         const char *nearest = rk_registry_nearest(&rk_case_registry, spot.node->text);
+        char known[160];
+        size_t used = (size_t)snprintf(known, sizeof known, "; there are");
+        for (size_t i = 0; i < rk_case_registry.count && used < sizeof known; i++) {
+            used += (size_t)snprintf(known + used, sizeof known - used, "%s %s", i > 0 ? "," : "",
+                                     rk_case_registry.pieces[i]->name);
+        }
         return rk_spot_wrong(spot, err, "there is no case '%.64s'%s", spot.node->text,
-                             rk_hint_of(nearest, "; 'reckon describe' lists them").text);
+                             rk_hint_of(nearest, known).text);
     }
     study->scene = (const struct rk_case *)piece;
     return RK_OK;

@@ -220,6 +220,18 @@ static struct rk_yaml_place place_at(const unsigned char *bytes, size_t size, si
     return place;
 }
 
+/* Is there a tab among the blanks that the line begins with? */
+static bool is_tabbed(const unsigned char *bytes, size_t size, size_t line) {
+    size_t i = 0;
+    for (size_t at = 1; at < line && i < size; i++) {
+        at += bytes[i] == '\n';
+    }
+    while (i < size && bytes[i] == ' ') {
+        i++;
+    }
+    return i < size && bytes[i] == '\t';
+}
+
 static enum rk_status syntax_error(struct builder *b, const yaml_parser_t *parser,
                                    const unsigned char *bytes, size_t size) {
     const char *problem = parser->problem ? parser->problem : "unknown problem";
@@ -230,7 +242,12 @@ static enum rk_status syntax_error(struct builder *b, const yaml_parser_t *parse
         return rk_yaml_wrong(b->tree, place_at(bytes, size, parser->problem_offset), b->err,
                              "not a UTF-8 text: %s", problem);
     }
-    return rk_yaml_wrong(b->tree, place_of(parser->problem_mark), b->err, "not valid YAML: %s%s%s",
+    struct rk_yaml_place place = place_of(parser->problem_mark);
+    if (is_tabbed(bytes, size, place.line)) {
+        return rk_yaml_wrong(b->tree, place, b->err,
+                             "the line begins with a tab; YAML is indented with blanks only");
+    }
+    return rk_yaml_wrong(b->tree, place, b->err, "not valid YAML: %s%s%s",
                          parser->context ? parser->context : "", parser->context ? ", " : "",
                          problem);
 }

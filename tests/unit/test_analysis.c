@@ -193,7 +193,7 @@ static char *text_of(const struct rk_result *result, bool json) {
     if (json) {
         struct rk_json writer = rk_json_of(out);
         rk_json_open_map(&writer, NULL);
-        rk_result_write_json(result, &writer);
+        rk_result_write_json(result, NULL, &writer);
         rk_json_close(&writer);
     } else {
         rk_result_write_csv(result, out);

@@ -83,7 +83,43 @@ static void probes_change_no_case(void **state) {
     }
 }
 
+/* What a row acts beside is a parameter of its table, and the pieces are of its registry: a name
+ * that is wrong would make the row act always. Beside no such value it does not act. */
+static void needs_are_known(void **state) {
+    size_t checked = 0;
+    (void)state;
+    for (size_t k = 0; k < rk_case_registry.count; k++) {
+        const struct rk_case *scene_case = (const struct rk_case *)rk_case_registry.pieces[k];
+        const struct rk_param_table *table = scene_case->params;
+        void *values = calloc(1, table->size);
+        assert_non_null(values);
+        rk_param_defaults(table, values);
+        for (size_t i = 0; i < rk_param_total(table); i++) {
+            struct rk_param_ref ref = rk_param_at(table, i);
+            for (size_t n = 0; n < RK_PARAM_NEEDS && ref.row->needs[n].param; n++) {
+                struct rk_param_ref other = rk_param_find(table, ref.row->needs[n].param);
+                assert_non_null(other.row);
+                char words[128], *rest = NULL;
+                snprintf(words, sizeof words, "%s", ref.row->needs[n].any_of);
+                for (char *w = strtok_r(words, " ", &rest); w; w = strtok_r(NULL, " ", &rest)) {
+                    struct rk_error err = RK_NO_ERROR;
+                    assert_int_equal(rk_param_set(table, values, ref.row->needs[n].param, w, &err),
+                                     RK_OK);
+                    checked++;
+                }
+            }
+        }
+        rk_param_defaults(table, values);
+        assert_true(rk_param_acts(table, rk_param_find(table, "contact.mu"), values));
+        assert_int_equal(rk_param_set(table, values, "contact.friction", "none", NULL), RK_OK);
+        assert_false(rk_param_acts(table, rk_param_find(table, "contact.mu"), values));
+        free(values);
+    }
+    assert_true(checked > 0);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(probes_change_no_case)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(probes_change_no_case),
+                                       cmocka_unit_test(needs_are_known)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

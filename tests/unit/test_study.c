@@ -153,7 +153,7 @@ static const struct wrong wrongs[] = {
     {"case: shaken-box\n", ":1:1", "name"},
     {"study: a\n", ":1:1", "case"},
     {"study: a\ncase: shakn-box\n", ":2:7", "did you mean 'shaken-box'"},
-    {"study: a\ncase: 7\n", ":2:7", "describe"},
+    {"study: a\ncase: 7\n", ":2:7", "there are"},
     {"study: [a]\n", ":1:8", "single value"},
     {"study: a/b\n", ":1:8", "letters"},
     {"study: ..\n", ":1:8", "letters"},
