@@ -35,7 +35,8 @@ void rk_scene_free(struct rk_scene *scene); /* NULL is fine */
 enum rk_status rk_scene_add_material(struct rk_scene *scene, const struct rk_material *properties,
                                      size_t *material, struct rk_error *err);
 
-/* Add a grain or a wall, before the first step. Its number is the count before: 0, 1, 2, ...
+/* Add a grain, also between two steps, or, before the first step, a wall. Its number is the count
+ * before: 0, 1, 2, ...
  * A grain keeps that number ("tag") for life. RK_EINVALID: no room, non-finite, radius or mass not
  * positive, mass or moment of inertia too small to divide by, lighter than spec.smallest, normal
  * not of length one. Whether two grains lie on the same point is seen at the first step. */
