@@ -24,7 +24,8 @@ struct reader {
     size_t number;
     char separator;         /* 0 until known; ' ' for runs of blanks */
     size_t column, replica; /* indices of the columns wanted */
-    bool ready;             /* they are known */
+    size_t width;           /* fields of the first row, or of the header */
+    bool header, ready;     /* there is one; all this is known */
     struct row *rows;
     size_t count, room;
 };
@@ -202,21 +203,49 @@ static bool looks_numeric(const char *text) {
     return end != text && *end == '\0';
 }
 
+/* Decimal commas in data without header: a comma was taken for what parts fields, and a field has
+ * in it what really does. */
+static enum rk_status check_commas(const struct reader *r, const struct field *fields,
+                                   size_t count) {
+    for (size_t i = 0; i < count && r->separator == ','; i++) {
+        const char *text = fields[i].text;
+        if (strpbrk(text, "; \t") && strspn(text, "+-0123456789.eE; \t") == strlen(text)) {
+            return wrong(r, fields[i].column,
+                         "'%.40s' between commas holds more than one number: decimals follow a "
+                         "point, not a comma",
+                         text);
+        }
+    }
+    return RK_OK;
+}
+
 /* The first line that is no comment decides separator, header and columns. */
-static enum rk_status begin(struct reader *r, const struct field *fields, size_t count,
-                            bool *header) {
+static enum rk_status begin(struct reader *r, const struct field *fields, size_t count) {
     /* A line that holds any number is data: a header taken for data ends in a sentence, data taken
      * for a header would be lost without one. */
-    *header = true;
+    r->header = true;
     for (size_t i = 0; i < count; i++) {
-        *header = *header && !looks_numeric(fields[i].text);
+        r->header = r->header && !looks_numeric(fields[i].text);
     }
-    enum rk_status status = choose(r, r->request->column, *header, fields, count, &r->column);
+    enum rk_status status = choose(r, r->request->column, r->header, fields, count, &r->column);
     if (status == RK_OK && r->request->replica) {
-        status = choose(r, r->request->replica, *header, fields, count, &r->replica);
+        status = choose(r, r->request->replica, r->header, fields, count, &r->replica);
     }
+    r->width = count;
     r->ready = true;
-    return status;
+    return status == RK_OK && !r->header ? check_commas(r, fields, count) : status;
+}
+
+/* What a decimal comma parts would be read as two fields, and those after it in wrong columns. */
+static enum rk_status check_width(const struct reader *r, const struct field *fields,
+                                  size_t count) {
+    return count <= r->width
+               ? RK_OK
+               : wrong(r, fields[r->width].column, "the row has %zu fields, the %s %zu%s", count,
+                       r->header ? "header" : "first row", r->width,
+                       r->separator == ',' ? ": decimals follow a point, as a decimal comma parts "
+                                             "the row"
+                                           : "");
 }
 
 static enum rk_status take_number(struct reader *r, const struct field *fields, size_t count,
@@ -263,8 +292,8 @@ static enum rk_status read_rows(struct reader *r, struct field *fields) {
     enum rk_status status = RK_OK;
     bool more = true;
     while ((status = next_line(r, &more)) == RK_OK && more) {
-        bool header = false;
         size_t count;
+        bool header = !r->ready; /* perhaps */
         if (r->number == 1 && strncmp(r->line, "\xef\xbb\xbf", 3) == 0) {
             memmove(r->line, r->line + 3, strlen(r->line) - 2);
         }
@@ -279,7 +308,11 @@ static enum rk_status read_rows(struct reader *r, struct field *fields) {
         r->separator = r->separator ? r->separator : separator_of(r->line);
         status = split(r, fields, &count);
         if (status == RK_OK && !r->ready) {
-            status = begin(r, fields, count, &header);
+            status = begin(r, fields, count);
+            header = r->header;
+        }
+        if (status == RK_OK) {
+            status = check_width(r, fields, count);
         }
         if (status == RK_OK && !header) {
             status = keep(r, fields, count);

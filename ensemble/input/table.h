@@ -7,8 +7,8 @@
  *
  * Bounds: RK_TABLE_LINE bytes a line, RK_TABLE_FIELDS fields, RK_SAMPLES_MAX rows.
  * Errors: RK_EIO (missing, a folder, unreadable), RK_EINVALID (no such column, a value that is no
- * finite number, a short row, a NUL byte, beyond a bound) with err->where = file:line:column,
- * RK_EMEMORY.
+ * finite number, a short row, one longer than the header or the first row, a NUL byte, beyond a
+ * bound) with err->where = file:line:column, RK_EMEMORY.
  */
 #ifndef RK_ENSEMBLE_INPUT_TABLE_H
 #define RK_ENSEMBLE_INPUT_TABLE_H

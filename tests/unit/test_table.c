@@ -92,6 +92,13 @@ static const struct wrong wrongs[] = {
     {"a,b\n1,\"2\"3\n", "1", NULL, ":2:4", "after the quote"},
     {"\"a\"b c\n1 2\n", "1", NULL, ":1:2", "after the quote"},
     {"a;b\n1;2,5\n", "b", NULL, ":2:3", "point, not a comma"},
+    {"run,time,height\n0,0,0\n0,1,-0,158303\n", "height", NULL, ":3:8", "decimal comma"},
+    {"0,1\n0,1,5\n", "1", NULL, ":2:5", "first row 2: decimals"},
+    {"a;b\n1;2;3\n", "b", NULL, ":2:5", "header 2"},
+    {"a b\n1 2 3\n", "b", NULL, ":2:5", "header 2"},
+    {"0;1,5\n1;2,5\n", "2", NULL, ":1:1", "point, not a comma"},
+    {"0\t1,5\n", "2", NULL, ":1:1", "point, not a comma"},
+    {"0 1,5\n", "2", NULL, ":1:1", "point, not a comma"},
     {"a,b,a\n1,2,3\n", "a", NULL, ":1:1", "2 columns are called 'a'"},
     {"\x89HDF\r\n", NULL, NULL, ":1:1", "HDF5"},
 };
