@@ -105,7 +105,7 @@ enum rk_pdf_choice {
     RK_PDF_Q_GAUSSIAN,
     RK_PDF_STRETCHED,
     RK_PDF_GAUSSIAN, /* neither is better than the point where they meet */
-    RK_PDF_NEITHER,  /* both are rejected by the goodness of fit */
+    RK_PDF_NEITHER,  /* both are rejected by the goodness of fit, or refused */
 };
 
 struct rk_pdf {
@@ -127,7 +127,7 @@ struct rk_pdf {
     double *error;   /* [bins] its standard error from the scatter of the units */
     double outside;  /* weight beyond the outermost edges */
     double share;    /* of the samples on the side that is fitted; 1 for both */
-    char text[640];
+    char text[1024];
 };
 
 /* Fit both families. How independent samples are is read off the scatter of units, which are
