@@ -78,7 +78,9 @@ struct rk_pdf_options {
 };
 #define RK_PDF_DEFAULTS ((struct rk_pdf_options){.level = 0.95})
 
-/* The fit of one family. Intervals are NaN where the verdict is not RK_INTERVAL. */
+/* The fit of one family. Intervals are NaN where the verdict is not RK_INTERVAL. An end of one of
+ * the exponent that would lie at an end of the family's range is infinite: nothing is known there.
+ */
 struct rk_pdf_fit {
     const struct rk_pdf_family *family;
     enum rk_verdict verdict;      /* refused: the exponent runs into the end of its range */

@@ -123,6 +123,15 @@ static void say_limits(struct rk_pdf *pdf) {
             bool edge = fit->shape.estimate < fit->family->methods->regular;
             say(pdf, " %s has no interval: %s.", fit->family->piece.name,
                 edge ? "for q below 1/2 the ends of its support decide" : "the likelihood is flat");
+        } else if (isinf(fit->shape.low) || isinf(fit->shape.high)) {
+            bool both = isinf(fit->shape.low) && isinf(fit->shape.high);
+            say(pdf,
+                " The interval of %s has no %s: it would reach the end of the range, %g to %g.",
+                fit->family->shape,
+                both                    ? "ends"
+                : isinf(fit->shape.low) ? "lower end"
+                                        : "upper end",
+                fit->family->low, fit->family->high);
         }
     }
 }
