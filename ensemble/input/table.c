@@ -3,6 +3,7 @@
 #include "base/number.h"
 #include "base/piece.h"
 #include "ensemble/input/slurp.h"
+#include "ensemble/input/table_rows.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -10,10 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-struct row {
-    double value, replica;
-};
 
 struct reader {
     FILE *file;
@@ -24,11 +21,15 @@ struct reader {
     size_t number;
     char separator;         /* 0 until known; ' ' for runs of blanks */
     size_t column, replica; /* indices of the columns wanted */
+    size_t time;            /* of that of the times; NONE */
     size_t width;           /* fields of the first row, or of the header */
     bool header, ready;     /* there is one; all this is known */
-    struct row *rows;
+    struct rk_table_row *rows;
     size_t count, room;
+    struct rk_table_clock clock; /* of the times */
 };
+
+static const size_t NONE = SIZE_MAX;
 
 /* A field in place: its text and where it stands, from 1. */
 struct field {
@@ -197,6 +198,17 @@ static enum rk_status choose(struct reader *r, const char *wanted, bool header,
                  rk_hint_of(nearest, "").text);
 }
 
+/* The column of the times of a series, unless it is asked for as something else. */
+static size_t find_time(const struct reader *r, const struct field *fields, size_t count) {
+    for (size_t i = 0; r->request->series && r->header && i < count; i++) {
+        bool other = i == r->column || (r->request->replica && i == r->replica);
+        if (!other && rk_table_is_time(fields[i].text)) {
+            return i;
+        }
+    }
+    return NONE;
+}
+
 static bool looks_numeric(const char *text) {
     char *end;
     strtod(text, &end); /* nan and inf as well: they are values, if unusable ones */
@@ -231,6 +243,10 @@ static enum rk_status begin(struct reader *r, const struct field *fields, size_t
     if (status == RK_OK && r->request->replica) {
         status = choose(r, r->request->replica, r->header, fields, count, &r->replica);
     }
+    r->time = find_time(r, fields, count);
+    if (r->time != NONE) {
+        snprintf(r->clock.name, sizeof r->clock.name, "%s", fields[r->time].text);
+    }
     r->width = count;
     r->ready = true;
     return status == RK_OK && !r->header ? check_commas(r, fields, count) : status;
@@ -263,11 +279,19 @@ static enum rk_status take_number(struct reader *r, const struct field *fields, 
 }
 
 static enum rk_status keep(struct reader *r, const struct field *fields, size_t count) {
-    struct row row = {0, 0};
+    struct rk_table_row row = {.line = r->number};
     size_t most = r->request->rows ? r->request->rows : RK_SAMPLES_MAX;
     enum rk_status status = take_number(r, fields, count, r->column, &row.value);
     if (status == RK_OK && r->request->replica) {
         status = take_number(r, fields, count, r->replica, &row.replica);
+    }
+    if (status == RK_OK && r->count == 0 && r->time < count &&
+        !looks_numeric(fields[r->time].text)) {
+        r->time = NONE; /* dates, say: nothing is known of their order */
+    }
+    if (status == RK_OK && r->time != NONE) {
+        status = take_number(r, fields, count, r->time, &row.time);
+        rk_table_clock_note(&r->clock, r->time < count ? fields[r->time].text : "");
     }
     if (status != RK_OK) {
         return status;
@@ -277,7 +301,7 @@ static enum rk_status keep(struct reader *r, const struct field *fields, size_t 
     }
     if (r->count == r->room) {
         size_t room = r->room ? 2 * r->room : 1024;
-        struct row *rows = realloc(r->rows, room * sizeof *rows);
+        struct rk_table_row *rows = realloc(r->rows, room * sizeof *rows);
         if (!rows) {
             return rk_fail(r->err, RK_EMEMORY, "out of memory after %zu rows", r->count);
         }
@@ -327,76 +351,9 @@ static enum rk_status read_rows(struct reader *r, struct field *fields) {
     return status;
 }
 
-static int by_replica(const void *a, const void *b) {
-    double p = ((const struct row *)a)->replica, q = ((const struct row *)b)->replica;
-    return (p > q) - (p < q);
-}
-
-/* A stable sort: glibc's qsort is one only as long as it finds memory. */
-static bool sort_rows(struct row *rows, size_t count) {
-    struct row *from = rows, *spare = malloc(count * sizeof *spare);
-    if (!spare) {
-        return false;
-    }
-    struct row *to = spare;
-    for (size_t width = 1; width < count; width *= 2) {
-        for (size_t low = 0; low < count; low += 2 * width) {
-            size_t middle = low + width < count ? low + width : count;
-            size_t high = low + 2 * width < count ? low + 2 * width : count;
-            size_t i = low, j = middle;
-            for (size_t k = low; k < high; k++) {
-                bool left = i < middle && (j >= high || by_replica(&from[i], &from[j]) <= 0);
-                to[k] = left ? from[i++] : from[j++];
-            }
-        }
-        struct row *swap = from;
-        from = to;
-        to = swap;
-    }
-    if (from != rows) {
-        memcpy(rows, from, count * sizeof *rows);
-    }
-    free(spare);
-    return true;
-}
-
-/* Rows into a rectangle, one replica a line. */
-static enum rk_status arrange(struct reader *r, struct rk_samples *out) {
-    bool sorted = true;
-    for (size_t i = 1; i < r->count; i++) {
-        sorted = sorted && r->rows[i - 1].replica <= r->rows[i].replica;
-    }
-    if (!sorted && !sort_rows(r->rows, r->count)) {
-        return rk_fail(r->err, RK_EMEMORY, "out of memory for %zu rows", r->count);
-    }
-    size_t replicas = 1, longest = 1, length = 0; /* there is at least one row */
-    for (size_t i = 0; i < r->count; i++) {
-        bool next = i > 0 && r->rows[i].replica != r->rows[i - 1].replica;
-        replicas += next;
-        length = next ? 1 : length + 1;
-        longest = length > longest ? length : longest;
-    }
-    if (replicas > 4 * RK_SAMPLES_MAX / longest) {
-        return wrong(r, 1, "replicas of too different lengths to be held side by side");
-    }
-    out->values = calloc(replicas * longest, sizeof *out->values);
-    out->lengths = calloc(replicas, sizeof *out->lengths);
-    if (!out->values || !out->lengths) {
-        return rk_fail(r->err, RK_EMEMORY, "out of memory for %zu rows", r->count);
-    }
-    out->replicas = replicas;
-    out->samples = longest;
-    size_t replica = 0;
-    for (size_t i = 0; i < r->count; i++) {
-        replica += i > 0 && r->rows[i].replica != r->rows[i - 1].replica;
-        out->values[replica * longest + out->lengths[replica]++] = r->rows[i].value;
-    }
-    return RK_OK;
-}
-
 enum rk_status rk_table_read(const char *path, const struct rk_table_request *request,
                              struct rk_samples *out, struct rk_error *err) {
-    struct reader r = {.path = path, .request = request, .err = err};
+    struct reader r = {.path = path, .request = request, .err = err, .time = NONE};
     *out = (struct rk_samples){0};
     enum rk_status status = rk_input_open(path, &r.file, err);
     if (status == RK_OK) {
@@ -407,7 +364,11 @@ enum rk_status rk_table_read(const char *path, const struct rk_table_request *re
         free(fields);
     }
     if (status == RK_OK) {
-        status = arrange(&r, out);
+        status = rk_table_rows_arrange(r.rows, r.count, out, err);
+        rk_error_locate(err, "%s", path);
+    }
+    if (status == RK_OK && r.time != NONE) {
+        status = rk_table_rows_check_time(r.rows, r.count, &r.clock, path, request, err);
     }
     if (r.file) {
         fclose(r.file);
