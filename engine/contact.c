@@ -49,6 +49,13 @@ static const struct rk_piece *const tensions[] = {&rk_tension_cut, &rk_tension_k
 const struct rk_registry rk_tension_registry = {
     "tension", "what happens to a negative normal force", tensions, 2};
 
+const struct rk_piece rk_cap_total = {"total", "Coulomb's cap is mu times the whole normal force"};
+const struct rk_piece rk_cap_elastic = {
+    "elastic", "mu times its spring alone (mu kn delta), as in the code of Martins 2021"};
+static const struct rk_piece *const caps[] = {&rk_cap_total, &rk_cap_elastic};
+const struct rk_registry rk_cap_registry = {"cap", "the normal force that bounds friction", caps,
+                                            2};
+
 #define REAL(member, units, fallback, least, open, most, text)                                     \
     {                                                                                              \
         .name = #member, .type = RK_PARAM_REAL,                                                    \
@@ -66,6 +73,14 @@ const struct rk_param rk_contact_params[RK_CONTACT_PARAMS] = {
     PIECE(friction, "cundall-strack", rk_friction_registry, "tangential force"),
     PIECE(rolling, "none", rk_rolling_registry, "torque against rolling (used with friction)"),
     PIECE(tension, "cut", rk_tension_registry, "negative normal force"),
+    {.name = "cap",
+     .type = RK_PARAM_PIECE,
+     .offset = offsetof(struct rk_contact_spec, cap),
+     .unit = "",
+     .choice = "total",
+     .choices = &rk_cap_registry,
+     .later = true,
+     .doc = "normal force that bounds friction (used with friction)"},
     REAL(kn, "m g/d", 1000, 0, true, 1e15, "normal stiffness (linear, mass-damped)"),
     REAL(damping, "", 1, 0, false, 1e3,
          "gamma / (2 sqrt(kn m_min)), m_min the smallest grain's mass; 1 is Martins 2021"),
@@ -171,6 +186,7 @@ void rk_contact_law_init(struct rk_contact_law *law, const struct rk_scene_spec 
     law->normal = ((const struct rk_normal_law *)spec->contact.law)->normal;
     law->tangent = ((const struct rk_friction *)spec->contact.friction)->tangent;
     law->rolls = spec->contact.rolling == &rk_rolling_spring;
+    law->elastic_cap = spec->contact.cap == &rk_cap_elastic;
     law->implicit = rk_integrator_of(spec->accuracy.integrator)->implicit;
     law->half_dt = 0.5 * dt;
     law->materials = count;

@@ -8,8 +8,9 @@
  *     fn = the normal law of delta and d(delta)/dt        engine/law_*.h
  *          tension cut: max(0, that);  tension keep: that
  *     ft = the friction of vt, its history and fn         engine/friction_*.h
- *     M  = the rolling resistance of wi - wj and fn       engine/rolling_spring.h
- *     force on j: fn n + ft t, on i the opposite;  torques -li ft - M on i, -lj ft + M on j
+ *          cap total: of fn;  cap elastic: of fn without its dashpot, mu kn delta for the linear
+ * law M  = the rolling resistance of wi - wj and fn       engine/rolling_spring.h force on j: fn n
+ * + ft t, on i the opposite;  torques -li ft - M on i, -lj ft + M on j
  *
  * A wall is the limit of an infinitely large and heavy partner: its lever arm never enters, the
  * grain's is R, the reduced mass and radius are the grain's own.
@@ -40,6 +41,7 @@ extern const struct rk_friction rk_friction_none, rk_friction_cundall_strack,
     rk_friction_haff_werner;
 extern const struct rk_piece rk_rolling_none, rk_rolling_spring;
 extern const struct rk_piece rk_tension_cut, rk_tension_keep;
+extern const struct rk_piece rk_cap_total, rk_cap_elastic;
 
 /* The numbers of one pair of materials, as the hot loops read them. */
 struct rk_coefficients {
@@ -56,8 +58,9 @@ struct rk_contact_law {
     enum rk_normal normal;
     enum rk_tangent tangent;
     bool rolls;
-    bool implicit;  /* normal forces are relaxed: engine/integrator_implicit.h */
-    double half_dt; /* for that */
+    bool elastic_cap; /* Coulomb's cap is of the normal force without its dashpot */
+    bool implicit;    /* normal forces are relaxed: engine/integrator_implicit.h */
+    double half_dt;   /* for that */
     size_t materials;
     double least; /* the smallest normal force: 0 (tension cut) or -infinity (kept) */
     struct rk_coefficients of[RK_MATERIALS_MAX * RK_MATERIALS_MAX]; /* [one][other] */

@@ -25,35 +25,49 @@ struct answer {
 #define COEFFICIENT(member)                                                                        \
     (f.mixed ? lanes_gather(&law->of[0].member, index) : lanes_all(law->of[0].member))
 
+static INLINE lanes normal_force(const struct flavour f, const struct rk_contact_law *law,
+                                 const uint32_t *index, const struct meeting *m, lanes parting) {
+    if (f.normal == RK_LINEAR) {
+        return law_linear(m->overlap, parting, COEFFICIENT(kn), COEFFICIENT(gamma));
+    }
+    if (f.normal == RK_MASS_DAMPED) {
+        return law_mass_damped(m->overlap, parting, m->reduced_mass, COEFFICIENT(kn),
+                               COEFFICIENT(gamma));
+    }
+    return law_viscoelastic(m->overlap, parting, m->reduced_radius, COEFFICIENT(young),
+                            COEFFICIENT(loss));
+}
+
+/* What an implicit integrator needs of it: - d(normal force)/d(parting). */
+static INLINE lanes dashpot_of(const struct flavour f, const struct rk_contact_law *law,
+                               const uint32_t *index, const struct meeting *m) {
+    if (f.normal == RK_LINEAR) {
+        return COEFFICIENT(gamma);
+    }
+    if (f.normal == RK_MASS_DAMPED) {
+        return COEFFICIENT(gamma) * m->reduced_mass;
+    }
+    return COEFFICIENT(young) * COEFFICIENT(loss) * lanes_root(m->reduced_radius * m->overlap);
+}
+
 static INLINE struct answer resist(const struct flavour f, const struct rk_contact_law *law,
                                    const uint32_t *index, const struct meeting *m, lanes fn,
                                    lanes ft, lanes moment) {
-    struct answer a = {lanes_all(0), ft, moment};
-    lanes dashpot = a.fn;
-    if (f.normal == RK_LINEAR) {
-        a.fn = law_linear(m->overlap, m->parting, COEFFICIENT(kn), COEFFICIENT(gamma));
-        dashpot = f.implicit ? COEFFICIENT(gamma) : dashpot;
-    } else if (f.normal == RK_MASS_DAMPED) {
-        a.fn = law_mass_damped(m->overlap, m->parting, m->reduced_mass, COEFFICIENT(kn),
-                               COEFFICIENT(gamma));
-        dashpot = f.implicit ? COEFFICIENT(gamma) * m->reduced_mass : dashpot;
-    } else {
-        a.fn = law_viscoelastic(m->overlap, m->parting, m->reduced_radius, COEFFICIENT(young),
-                                COEFFICIENT(loss));
-        dashpot = f.implicit ? COEFFICIENT(young) * COEFFICIENT(loss) *
-                                   lanes_root(m->reduced_radius * m->overlap)
-                             : dashpot;
-    }
+    struct answer a = {normal_force(f, law, index, m, m->parting), ft, moment};
     if (f.implicit) {
-        a.fn = implicit_relax(a.fn, fn, law->half_dt * dashpot * m->ease);
+        a.fn = implicit_relax(a.fn, fn, law->half_dt * dashpot_of(f, law, index, m) * m->ease);
     }
     a.fn = lanes_larger(a.fn, lanes_all(law->least));
+    lanes capped = a.fn; /* Coulomb's cap is mu times this */
+    if (f.tangent != RK_SMOOTH && law->elastic_cap) {
+        capped = normal_force(f, law, index, m, lanes_all(0));
+    }
     if (f.tangent == RK_CUNDALL_STRACK) {
-        a.ft = friction_cundall_strack(ft, m->slip, a.fn, COEFFICIENT(kt_dt),
+        a.ft = friction_cundall_strack(ft, m->slip, capped, COEFFICIENT(kt_dt),
                                        COEFFICIENT(mu) * m->rough);
     } else if (f.tangent == RK_HAFF_WERNER) {
         a.ft =
-            friction_haff_werner(m->slip, a.fn, COEFFICIENT(gamma_t), COEFFICIENT(mu) * m->rough);
+            friction_haff_werner(m->slip, capped, COEFFICIENT(gamma_t), COEFFICIENT(mu) * m->rough);
     }
     if (f.rolls) {
         a.moment = rolling_spring(moment, m->spin, a.fn, m->reduced_radius, COEFFICIENT(kt_dt),

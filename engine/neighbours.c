@@ -288,6 +288,9 @@ enum rk_status rk_neighbours_build(struct rk_scene *scene, struct rk_error *err)
         return status;
     }
     if (scene->has[RK_IF_REMEMBERS]) {
+        if (scene->scattered && near->close_valid && near->swollen) {
+            rk_shares_pick(scene); /* whether they touch is judged with the radii of now */
+        }
         rk_shares_gather(scene); /* contacts of the last step, whose history is carried over */
     }
     scene->scattered = false;

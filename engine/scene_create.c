@@ -192,6 +192,7 @@ static void fill_in(struct rk_scene_spec *spec) {
     } open[] = {{&spec->contact.law, &rk_law_linear.piece},
                 {&spec->contact.friction, &rk_friction_none.piece},
                 {&spec->contact.tension, &rk_tension_cut},
+                {&spec->contact.cap, &rk_cap_total},
                 {&spec->contact.rolling, &rk_rolling_none},
                 {&spec->accuracy.neighbour, rk_neighbour_default},
                 {&spec->accuracy.integrator, &rk_integrator_verlet.piece},

@@ -18,6 +18,7 @@ extern const struct rk_registry rk_law_registry;        /* linear, mass-damped, 
 extern const struct rk_registry rk_friction_registry;   /* none, cundall-strack, haff-werner */
 extern const struct rk_registry rk_rolling_registry;    /* none, spring */
 extern const struct rk_registry rk_tension_registry;    /* cut, keep */
+extern const struct rk_registry rk_cap_registry;        /* total, elastic */
 extern const struct rk_registry rk_body_registry;       /* disc, sphere */
 extern const struct rk_registry rk_gravity_registry;    /* none, constant, switched */
 extern const struct rk_registry rk_drive_registry;      /* rest, sinusoid, ..., press */
@@ -35,6 +36,7 @@ struct rk_contact_spec {
     const struct rk_piece *friction; /* out of rk_friction_registry */
     const struct rk_piece *rolling;  /* out of rk_rolling_registry */
     const struct rk_piece *tension;  /* out of rk_tension_registry */
+    const struct rk_piece *cap;      /* out of rk_cap_registry */
     double kn;                       /* normal stiffness */
     double damping;                  /* gamma / (2 sqrt(kn m_min)), m_min the smallest mass */
     double restitution;              /* above 0: of two smallest grains, instead of damping */
@@ -44,7 +46,7 @@ struct rk_contact_spec {
     double mu_rolling;               /* coefficient of rolling resistance */
     double young, loss;              /* Y and A of the viscoelastic law */
 };
-enum { RK_CONTACT_PARAMS = 13 };
+enum { RK_CONTACT_PARAMS = 14 };
 extern const struct rk_param rk_contact_params[RK_CONTACT_PARAMS];
 
 /* The time step, how it is taken and how neighbours are found: what it costs and how exact it is.

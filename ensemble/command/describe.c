@@ -15,10 +15,10 @@ struct describe_options {
 };
 
 static const struct rk_registry *const registries[] = {
-    &rk_case_registry,      &rk_study_key_registry, &rk_analysis_registry, &rk_law_registry,
-    &rk_friction_registry,  &rk_rolling_registry,   &rk_tension_registry,  &rk_body_registry,
-    &rk_gravity_registry,   &rk_drive_registry,     &rk_shape_registry,    &rk_integrator_registry,
-    &rk_neighbour_registry, &rk_kernel_registry,    &rk_probe_registry,
+    &rk_case_registry,       &rk_study_key_registry, &rk_analysis_registry, &rk_law_registry,
+    &rk_friction_registry,   &rk_rolling_registry,   &rk_tension_registry,  &rk_cap_registry,
+    &rk_body_registry,       &rk_gravity_registry,   &rk_drive_registry,    &rk_shape_registry,
+    &rk_integrator_registry, &rk_neighbour_registry, &rk_kernel_registry,   &rk_probe_registry,
 };
 enum { REGISTRIES = sizeof registries / sizeof *registries };
 

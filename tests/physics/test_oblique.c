@@ -14,7 +14,7 @@
 
 /* One collision: `second` may be a wall, which is a partner of infinite size and mass. */
 struct collision {
-    const struct rk_piece *law, *friction, *tension;
+    const struct rk_piece *law, *friction, *tension, *cap;
     double kn, gamma, kt, mu, gamma_t, young, loss;
     double angle; /* between the relative velocity and the line of centres [rad] */
     double radius[2], mass[2], spin[2];
@@ -44,6 +44,7 @@ static bool named(const struct rk_piece *piece, const char *name) {
 /* Normal force, slip and the directions at a state. */
 struct forces {
     double n[2], overlap, fn, slip, arm[2];
+    double capped; /* Coulomb's cap is mu times this, if it is above 0 */
 };
 
 static struct forces forces_at(const struct collision *c, const double *s) {
@@ -65,17 +66,23 @@ static struct forces forces_at(const struct collision *c, const double *s) {
         inertial = c->mass[0];
     }
     double ux = s[VX2] - s[VX1], uy = s[VY2] - s[VY1], rate = -(ux * f.n[0] + uy * f.n[1]);
+    double spring, dashpot;
     if (named(c->law, "linear")) {
-        f.fn = c->kn * f.overlap + c->gamma * rate;
+        spring = c->kn * f.overlap;
+        dashpot = c->gamma * rate;
     } else if (named(c->law, "mass-damped")) {
-        f.fn = c->kn * f.overlap + c->gamma * inertial * rate;
+        spring = c->kn * f.overlap;
+        dashpot = c->gamma * inertial * rate;
     } else {
-        double depth = fmax(f.overlap, 0);
-        f.fn = c->young / 2 * sqrt(reduced * depth) * (depth + c->loss * rate);
+        double depth = fmax(f.overlap, 0), root = c->young / 2 * sqrt(reduced * depth);
+        spring = root * depth;
+        dashpot = root * c->loss * rate;
     }
+    f.fn = spring + dashpot;
     if (named(c->tension, "cut")) {
         f.fn = fmax(f.fn, 0);
     }
+    f.capped = named(c->cap, "elastic") ? spring : f.fn;
     f.slip = uy * f.n[0] - ux * f.n[1] - f.arm[0] * s[W1] - f.arm[1] * s[W2];
     return f;
 }
@@ -83,10 +90,10 @@ static struct forces forces_at(const struct collision *c, const double *s) {
 static double friction_at(const struct motion *m, const struct forces *f, const double *s) {
     const struct collision *c = m->c;
     if (named(c->friction, "cundall-strack")) {
-        return m->regime == SLIDES ? m->sense * c->mu * fmax(f->fn, 0) : s[FT];
+        return m->regime == SLIDES ? m->sense * c->mu * fmax(f->capped, 0) : s[FT];
     }
     if (named(c->friction, "haff-werner")) {
-        double cap = c->mu * fabs(f->fn);
+        double cap = c->mu * fabs(f->capped);
         return fmax(-cap, fmin(cap, -c->gamma_t * f->slip));
     }
     return 0;
@@ -130,7 +137,7 @@ static double regime_holds(const struct motion *m, const double *s) {
     const struct collision *c = m->c;
     struct forces f = forces_at(c, s);
     if (m->regime == STICKS) {
-        return c->mu * fmax(f.fn, 0) - fabs(s[FT]);
+        return c->mu * fmax(f.capped, 0) - fabs(s[FT]);
     }
     double slope[STATES], ahead[STATES], behind[STATES];
     const double little = 1e-7;
@@ -139,7 +146,8 @@ static double regime_holds(const struct motion *m, const double *s) {
         ahead[k] = s[k] + little * slope[k];
         behind[k] = s[k] - little * slope[k];
     }
-    double rise = (fmax(forces_at(c, ahead).fn, 0) - fmax(forces_at(c, behind).fn, 0)) / little / 2;
+    double rise =
+        (fmax(forces_at(c, ahead).capped, 0) - fmax(forces_at(c, behind).capped, 0)) / little / 2;
     return m->sense * -c->kt * f.slip - c->mu * rise;
 }
 
@@ -150,7 +158,7 @@ static void change_regime(struct motion *m, double *s) {
         m->sense = s[FT] > 0 ? 1 : -1;
         m->regime = SLIDES;
     } else {
-        s[FT] = m->sense * m->c->mu * fmax(f.fn, 0);
+        s[FT] = m->sense * m->c->mu * fmax(f.capped, 0);
         m->regime = STICKS;
     }
 }
@@ -191,7 +199,7 @@ static struct outcome reference(const struct collision *c, double h, double long
         struct forces f = forces_at(c, s);
         m.sense = f.slip > 0 ? -1 : 1;
         m.regime = SLIDES;
-        m.regime = f.fn > 0 || !(regime_holds(&m, s) > 0) ? STICKS : SLIDES;
+        m.regime = f.capped > 0 || !(regime_holds(&m, s) > 0) ? STICKS : SLIDES;
     }
     for (double t = 0; t < longest; t += h) {
         advance(&m, s, h, next);
@@ -232,6 +240,7 @@ static struct outcome engine(const struct collision *c, double dt, double longes
     spec.contact.law = c->law;
     spec.contact.friction = c->friction;
     spec.contact.tension = c->tension;
+    spec.contact.cap = c->cap;
     spec.contact.kn = c->kn;
     spec.contact.kt = c->kt;
     spec.contact.mu = c->mu;
@@ -303,6 +312,7 @@ static struct collision typical(const struct rk_piece *law, const struct rk_piec
         .law = law,
         .friction = friction,
         .tension = kit_piece(&rk_tension_registry, "cut"),
+        .cap = kit_piece(&rk_cap_registry, "total"),
         .kn = 1000,
         .gamma = named(law, "mass-damped") ? 40 : 5,
         .kt = 750,
@@ -389,6 +399,12 @@ static void pulling(struct collision *c) {
     c->tension = kit_piece(&rk_tension_registry, "keep");
 }
 
+static void capped_by_the_spring(struct collision *c) {
+    c->cap = kit_piece(&rk_cap_registry, "elastic");
+    c->radius[1] = 0.8;
+    c->mass[1] = 0.64;
+}
+
 static void equal_discs_collide_as_theory_says(void **state) {
     (void)state;
     for_every_law(alike, false);
@@ -409,12 +425,18 @@ static void discs_whose_dashpots_pull_do(void **state) {
     for_every_law(pulling, true);
 }
 
+static void discs_whose_friction_is_capped_by_the_spring_do(void **state) {
+    (void)state;
+    for_every_law(capped_by_the_spring, false);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(equal_discs_collide_as_theory_says),
         cmocka_unit_test(unequal_spinning_discs_do),
         cmocka_unit_test(a_disc_at_a_wall_does),
         cmocka_unit_test(discs_whose_dashpots_pull_do),
+        cmocka_unit_test(discs_whose_friction_is_capped_by_the_spring_do),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -18,6 +18,7 @@
 /* A shaken box of a few grains of sizes 1 to 8, packed at `steps`. */
 struct recipe {
     const char *law, *friction, *rolling, *tension, *neighbours, *kernel, *integrator;
+    const char *cap; /* NULL: the usual one */
     bool periodic, mixed, ledger;
     size_t threads;
     double skin;
@@ -82,6 +83,7 @@ static struct rk_scene *shaken_box(const struct recipe *r, size_t grains) {
     spec.contact.friction = kit_piece(&rk_friction_registry, r->friction);
     spec.contact.rolling = kit_piece(&rk_rolling_registry, r->rolling);
     spec.contact.tension = kit_piece(&rk_tension_registry, r->tension);
+    spec.contact.cap = r->cap ? kit_piece(&rk_cap_registry, r->cap) : NULL;
     spec.accuracy.integrator =
         r->integrator ? kit_piece(&rk_integrator_registry, r->integrator) : NULL;
     spec.accuracy.neighbour = kit_piece(&rk_neighbour_registry, r->neighbours);
@@ -182,8 +184,8 @@ static void *outcome(const struct recipe *recipe, size_t *size) {
 }
 
 /* Every law, friction, rolling resistance and tension of the registries, so that a new piece is
- * tested the day it is added; sides and materials take turns. Every integrator meets every friction
- * and rolling resistance; the first of them meets all. */
+ * tested the day it is added; caps, sides and materials take turns. Every integrator meets every
+ * friction and rolling resistance; the first of them meets all. */
 static void for_every_physics(void (*check)(struct recipe recipe)) {
     const size_t laws = rk_law_registry.count, frictions = rk_friction_registry.count;
     const size_t rollings = rk_rolling_registry.count, tensions = rk_tension_registry.count;
@@ -193,6 +195,7 @@ static void for_every_physics(void (*check)(struct recipe recipe)) {
             .friction = rk_friction_registry.pieces[k / laws % frictions]->name,
             .rolling = rk_rolling_registry.pieces[k / laws / frictions % rollings]->name,
             .tension = rk_tension_registry.pieces[k / laws / frictions / rollings]->name,
+            .cap = rk_cap_registry.pieces[k % rk_cap_registry.count]->name,
             .neighbours = "cells",
             .periodic = k % 2 == 0,
             .mixed = k / 2 % 2 == 0,
@@ -210,6 +213,7 @@ static void for_every_physics(void (*check)(struct recipe recipe)) {
             .friction = rk_friction_registry.pieces[k % frictions]->name,
             .rolling = rk_rolling_registry.pieces[k / frictions % rollings]->name,
             .tension = rk_tension_registry.pieces[k % tensions]->name,
+            .cap = rk_cap_registry.pieces[k / frictions % rk_cap_registry.count]->name,
             .neighbours = "cells",
             .integrator = rk_integrator_registry.pieces[1 + k / frictions / rollings]->name,
             .periodic = k % 2 == 0,
@@ -248,7 +252,7 @@ static void for_every_group(void (*check)(struct recipe recipe)) {
         struct recipe recipe = {.law = rk_law_registry.pieces[d % rk_law_registry.count]->name,
                                 .friction = d == 4 ? "haff-werner" : "cundall-strack",
                                 .rolling = d % 2 == 1 ? "spring" : "none",
-                                .tension = "cut",
+                                .tension = d % 2 == 1 ? "keep" : "cut",
                                 .neighbours = "cells",
                                 .periodic = d % 2 == 0,
                                 .mixed = d % 3 == 0,
