@@ -41,11 +41,13 @@ struct rk_ldf_limit {
      * shortest, in deviations over the resamples, the largest over the points with intervals; NaN
      * with two windows. Above 3 the shortest window is too short. */
     double misfit;
-    struct rk_interval curvature; /* lambda''(0) of the limit: tau var, extrapolated likewise */
+    struct rk_interval curvature; /* lambda''(0) of the limit: tau var, extrapolated likewise; its
+                                     interval is cut at 0, an estimate below 0 is NaN, and so is the
+                                     interval when all of it lies there */
     struct rk_interval at_zero;   /* I(0) of the limit; NaN beyond the points, no interval beyond
                                      those that have one */
     double level;
-    char text[400]; /* the verdict in plain sentences */
+    char text[600]; /* the verdict in plain sentences */
 };
 
 /* The slope through two windows tau1 != tau2 at one k. */

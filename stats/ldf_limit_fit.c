@@ -206,13 +206,22 @@ static bool fill_at_zero(struct work *work) {
     return below[1] && above[1];
 }
 
+/* A variance is not negative, its extrapolation may be: what lies below 0 is cut off, which is no
+ * part of an interval of a variance and takes nothing of its coverage. The bootstrap's percentiles
+ * are the same on any scale, and draws below 0 have no logarithm. */
+static void bound_curvature(struct rk_interval *curvature, struct rk_tails ends) {
+    bool some = ends.high > 0;
+    curvature->low = some ? fmax(ends.low, 0) : (double)NAN;
+    curvature->high = some ? ends.high : (double)NAN;
+    curvature->estimate = curvature->estimate > 0 ? curvature->estimate : (double)NAN;
+}
+
 static void fill_scalars(struct work *work, struct rk_tails tails, bool zero) {
     struct rk_ldf_limit *limit = work->limit;
     double *curvature = work->rows + work->points * work->replicates;
     struct rk_tails ends =
         rk_ldf_percentiles(curvature, work->replicates, tails, limit->curvature.estimate);
-    limit->curvature.low = ends.low;
-    limit->curvature.high = ends.high;
+    bound_curvature(&limit->curvature, ends);
     if (zero) {
         ends = rk_ldf_percentiles(curvature + work->replicates, work->replicates, tails,
                                   limit->at_zero.estimate);
@@ -293,6 +302,14 @@ static void say(struct rk_ldf_limit *limit) {
     int used = snprintf(limit->text, sizeof limit->text,
                         "Limit of long windows from %zu lengths, %.4g to %.4g. ", n,
                         limit->ldf[0]->tau, limit->ldf[n - 1]->tau);
+    if (!(limit->curvature.low > 0)) {
+        used += snprintf(limit->text + used, sizeof limit->text - (size_t)used,
+                         "The limit of tau times the variance, which cannot be negative, %s. ",
+                         isnan(limit->curvature.high) ? "has no value above 0"
+                         : isnan(limit->curvature.estimate)
+                             ? "comes out below 0: only how large it may be is given"
+                             : "has an interval that is cut at 0");
+    }
     char *rest = limit->text + used;
     size_t room = sizeof limit->text - (size_t)used;
     if (isnan(limit->distance)) {

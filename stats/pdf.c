@@ -82,8 +82,7 @@ static void fill_intervals(struct rk_pdf_fit *fit, struct rk_pdf_work *work, siz
     double low, high;
     rk_pdf_profile_ends(&work->points, work->fixed, best, height,
                         0.5 * quantile * quantile * fit->inflation, &low, &high);
-    fit->shape.low = low;
-    fit->shape.high = high;
+    rk_pdf_bound(&fit->shape, fit->family, low, high);
     fit->shape.n_eff = work->points.total / fmax(fit->inflation, 1);
     wald(&fit->scale, fit->scale.estimate, sqrt(spread[1]), quantile, options->level, true);
     if (!work->fixed) {

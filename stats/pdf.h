@@ -78,7 +78,9 @@ struct rk_pdf_options {
 };
 #define RK_PDF_DEFAULTS ((struct rk_pdf_options){.level = 0.95})
 
-/* The fit of one family. Intervals are NaN where the verdict is not RK_INTERVAL. */
+/* The fit of one family. Intervals are NaN where the verdict is not RK_INTERVAL. An end of one of
+ * the exponent that would lie at an end of the family's range is infinite: nothing is known there.
+ */
 struct rk_pdf_fit {
     const struct rk_pdf_family *family;
     enum rk_verdict verdict;      /* refused: the exponent runs into the end of its range */
@@ -105,7 +107,7 @@ enum rk_pdf_choice {
     RK_PDF_Q_GAUSSIAN,
     RK_PDF_STRETCHED,
     RK_PDF_GAUSSIAN, /* neither is better than the point where they meet */
-    RK_PDF_NEITHER,  /* both are rejected by the goodness of fit */
+    RK_PDF_NEITHER,  /* both are rejected by the goodness of fit, or refused */
 };
 
 struct rk_pdf {
@@ -127,7 +129,7 @@ struct rk_pdf {
     double *error;   /* [bins] its standard error from the scatter of the units */
     double outside;  /* weight beyond the outermost edges */
     double share;    /* of the samples on the side that is fitted; 1 for both */
-    char text[640];
+    char text[1024];
 };
 
 /* Fit both families. How independent samples are is read off the scatter of units, which are

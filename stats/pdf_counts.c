@@ -115,8 +115,7 @@ static void counts_intervals(struct rk_pdf_fit *fit, const struct counts *c,
         return;
     }
     double of_shape = z * sqrt(a / determinant), of_scale = z * sqrt(d / determinant);
-    fit->shape.low = best->shape - of_shape;
-    fit->shape.high = best->shape + of_shape;
+    rk_pdf_bound(&fit->shape, fit->family, best->shape - of_shape, best->shape + of_shape);
     fit->scale.low = fit->scale.estimate * exp(-of_scale);
     fit->scale.high = fit->scale.estimate * exp(of_scale);
     fit->verdict = RK_INTERVAL;

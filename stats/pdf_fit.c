@@ -292,8 +292,17 @@ bool rk_pdf_covariance(const struct rk_pdf_points *points, bool fixed,
     return positive;
 }
 
-bool rk_pdf_at_limit(const struct rk_pdf_curve *curve) {
-    const struct rk_pdf_family *family = curve->family;
+static bool at_limit(const struct rk_pdf_family *family, double shape) {
     double margin = 1e-3 * (family->high - family->low);
-    return curve->shape <= family->low + 0.1 * margin || curve->shape >= family->high - margin;
+    return shape <= family->low + 0.1 * margin || shape >= family->high - margin;
+}
+
+bool rk_pdf_at_limit(const struct rk_pdf_curve *curve) {
+    return at_limit(curve->family, curve->shape);
+}
+
+void rk_pdf_bound(struct rk_interval *shape, const struct rk_pdf_family *family, double low,
+                  double high) {
+    shape->low = at_limit(family, low) ? -INFINITY : low;
+    shape->high = at_limit(family, high) ? INFINITY : high;
 }

@@ -124,6 +124,11 @@ bool rk_pdf_covariance(const struct rk_pdf_points *points, bool fixed,
 /* Is the estimate at an end of the family's range? */
 bool rk_pdf_at_limit(const struct rk_pdf_curve *curve);
 
+/* Set the ends of an interval of the exponent; one at an end of the family's range, where the
+ * search stopped and not the likelihood, is no bound and becomes infinite. */
+void rk_pdf_bound(struct rk_interval *shape, const struct rk_pdf_family *family, double low,
+                  double high);
+
 /* ---- One estimate -------------------------------------------------------------------------- */
 
 /* Everything one estimate needs. */

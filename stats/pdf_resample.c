@@ -39,8 +39,9 @@ enum rk_status rk_pdf_bootstrap(struct rk_pdf *pdf, const struct rk_pdf_source *
         if (pdf->fit[f].verdict == RK_INTERVAL) {
             struct rk_tails tails = rk_resample_tails(units, options->level);
             rk_sort(draws + f * count, count);
-            pdf->fit[f].resampled.low = rk_quantile_of_draws(draws + f * count, count, tails.low);
-            pdf->fit[f].resampled.high = rk_quantile_of_draws(draws + f * count, count, tails.high);
+            rk_pdf_bound(&pdf->fit[f].resampled, rk_pdf_families[f],
+                         rk_quantile_of_draws(draws + f * count, count, tails.low),
+                         rk_quantile_of_draws(draws + f * count, count, tails.high));
             pdf->fit[f].resampled.level = options->level;
         }
     }

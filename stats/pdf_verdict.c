@@ -15,21 +15,69 @@ static void say(struct rk_pdf *pdf, const char *format, ...) {
     va_end(arguments);
 }
 
+static const double LEVEL = 0.05; /* of every test; the sentences say 5 % */
+
+/* Two tests of one fit: the smaller probability, doubled (Bonferroni). Samples of one of the
+ * families are called of neither only where their own family is rejected, in at most 5 %: that
+ * there are two families needs no further correction. NaN without a test. */
+static double fit_p(const struct rk_pdf_fit *fit) {
+    return isnan(fit->ks_p) ? NAN : fmin(1, 2 * fmin(fit->ks_p, fit->ad_p));
+}
+
 static bool rejected(const struct rk_pdf_fit *fit) {
-    return fit->verdict == RK_REFUSED || fit->ad_p < 0.01 || fit->ks_p < 0.01;
+    return fit->verdict == RK_REFUSED || fit_p(fit) < LEVEL;
+}
+
+/* The family that Vuong's test finds nearer to the truth; RK_PDF_FAMILIES without a decision. */
+static size_t nearer_of(const struct rk_pdf *pdf) {
+    bool decided = pdf->vuong_p < LEVEL;
+    return decided ? (size_t)(pdf->vuong < 0) : (size_t)RK_PDF_FAMILIES;
 }
 
 static enum rk_pdf_choice choose(const struct rk_pdf *pdf) {
+    static const enum rk_pdf_choice choices[RK_PDF_FAMILIES + 1] = {
+        RK_PDF_Q_GAUSSIAN, RK_PDF_STRETCHED, RK_PDF_UNDECIDED};
     if (rejected(&pdf->fit[0]) && rejected(&pdf->fit[1])) {
         return RK_PDF_NEITHER;
     }
-    if (!(pdf->separation_p < 0.05)) {
-        return RK_PDF_GAUSSIAN;
+    return pdf->separation_p < LEVEL ? choices[nearer_of(pdf)] : RK_PDF_GAUSSIAN;
+}
+
+static const char *const full_names[RK_PDF_FAMILIES] = {"q-Gaussian", "stretched exponential"};
+
+static void say_tests(struct rk_pdf *pdf, const struct rk_pdf_fit *fit) {
+    say(pdf, "(Kolmogorov-Smirnov p = %.2g, Anderson-Darling p = %.2g)", fit->ks_p, fit->ad_p);
+}
+
+static void say_neither(struct rk_pdf *pdf) {
+    const char *before = ": at 5 % the tests of fit reject the ";
+    say(pdf, "Neither family describes the samples");
+    for (size_t f = 0; f < RK_PDF_FAMILIES; f++) {
+        if (pdf->fit[f].verdict != RK_REFUSED) {
+            say(pdf, "%s%s ", before, full_names[f]);
+            say_tests(pdf, &pdf->fit[f]);
+            before = " and the ";
+        }
     }
-    if (!(pdf->vuong_p < 0.05)) {
-        return RK_PDF_UNDECIDED;
+    say(pdf, ".");
+    size_t f = nearer_of(pdf);
+    if (f < RK_PDF_FAMILIES && pdf->fit[f].verdict != RK_REFUSED) {
+        say(pdf, " The nearer of the two is the %s (%s = %.3g; Vuong's z = %.2f, p = %.2g).",
+            full_names[f], pdf->fit[f].family->shape, pdf->fit[f].shape.estimate, pdf->vuong,
+            pdf->vuong_p);
     }
-    return pdf->vuong > 0 ? RK_PDF_Q_GAUSSIAN : RK_PDF_STRETCHED;
+}
+
+/* What the tests of fit reject; not a word on a family that another one is nearer than. */
+static void say_misfit(struct rk_pdf *pdf) {
+    for (size_t f = 0; f < RK_PDF_FAMILIES; f++) {
+        bool farther = pdf->choice == (f == 0 ? RK_PDF_STRETCHED : RK_PDF_Q_GAUSSIAN);
+        if (!farther && rejected(&pdf->fit[f]) && pdf->fit[f].verdict != RK_REFUSED) {
+            say(pdf, " Yet at 5 %% the tests of fit reject the %s ", full_names[f]);
+            say_tests(pdf, &pdf->fit[f]);
+            say(pdf, ".");
+        }
+    }
 }
 
 static void say_choice(struct rk_pdf *pdf) {
@@ -52,19 +100,14 @@ static void say_choice(struct rk_pdf *pdf) {
         say(pdf, ".");
         break;
     case RK_PDF_NEITHER:
-        say(pdf, "Neither family describes the samples.");
+        say_neither(pdf);
         break;
     case RK_PDF_Q_GAUSSIAN:
     case RK_PDF_STRETCHED: {
-        bool first = pdf->choice == RK_PDF_Q_GAUSSIAN;
+        size_t f = nearer_of(pdf);
         say(pdf, "A %s (%s = %.3g) is nearer to the truth than a %s (Vuong's z = %.2f, p = %.2g).",
-            first ? "q-Gaussian" : "stretched exponential", first ? "q" : "b",
-            first ? q->shape.estimate : b->shape.estimate,
-            first ? "stretched exponential" : "q-Gaussian", pdf->vuong, pdf->vuong_p);
-        const struct rk_pdf_fit *chosen = first ? q : b;
-        if (rejected(chosen) && chosen->verdict != RK_REFUSED) {
-            say(pdf, " Yet it does not fit (Anderson-Darling p = %.2g).", chosen->ad_p);
-        }
+            full_names[f], pdf->fit[f].family->shape, pdf->fit[f].shape.estimate, full_names[1 - f],
+            pdf->vuong, pdf->vuong_p);
         break;
     }
     }
@@ -80,6 +123,15 @@ static void say_limits(struct rk_pdf *pdf) {
             bool edge = fit->shape.estimate < fit->family->methods->regular;
             say(pdf, " %s has no interval: %s.", fit->family->piece.name,
                 edge ? "for q below 1/2 the ends of its support decide" : "the likelihood is flat");
+        } else if (isinf(fit->shape.low) || isinf(fit->shape.high)) {
+            bool both = isinf(fit->shape.low) && isinf(fit->shape.high);
+            say(pdf,
+                " The interval of %s has no %s: it would reach the end of the range, %g to %g.",
+                fit->family->shape,
+                both                    ? "ends"
+                : isinf(fit->shape.low) ? "lower end"
+                                        : "upper end",
+                fit->family->low, fit->family->high);
         }
     }
 }
@@ -88,6 +140,9 @@ void rk_pdf_say(struct rk_pdf *pdf, const struct rk_pdf_options *options) {
     pdf->choice = choose(pdf);
     pdf->text[0] = '\0';
     say_choice(pdf);
+    if (pdf->choice != RK_PDF_NEITHER) {
+        say_misfit(pdf);
+    }
     say_limits(pdf);
     if (isfinite(pdf->n_eff)) {
         say(pdf, " From %.0f independent samples", pdf->n_eff);

@@ -41,6 +41,25 @@ static void find_mean(struct rk_rise_time *out, const struct record *records, do
     }
 }
 
+/* Without censoring `left` of the replicas are a binomial number: its exact ends, by Clopper and
+ * Pearson, and with them those of the median at order statistics of the times. */
+static double exact_low(double left, double replicas, double tail) {
+    return left > 0 ? gsl_cdf_beta_Pinv(tail, left, replicas - left + 1) : 0;
+}
+
+static double exact_high(double left, double replicas, double tail) {
+    return left < replicas ? gsl_cdf_beta_Qinv(tail, left + 1, replicas - left) : 1;
+}
+
+static void make_exact(struct rk_rise_time *out, double level) {
+    double n = (double)out->replicas, tail = 0.5 - 0.5 * level;
+    for (size_t k = 0; k < out->steps; k++) {
+        double left = rint(n * out->survival[k]);
+        out->low[k] = exact_low(left, n, tail);
+        out->high[k] = exact_high(left, n, tail);
+    }
+}
+
 /* The curve and its band at each time that has an event. */
 static void find_curve(struct rk_rise_time *out, const struct record *records, double level) {
     double z = gsl_cdf_ugaussian_Pinv(0.5 + 0.5 * level), survival = 1, variance = 0;
@@ -75,7 +94,26 @@ static double first_below(const double *time, const double *curve, size_t count,
     return INFINITY;
 }
 
+static void find_median(struct rk_rise_time *out, double level) {
+    double n = (double)out->replicas;
+    out->median = (struct rk_interval){first_below(out->time, out->survival, out->steps, 0.5),
+                                       first_below(out->time, out->low, out->steps, 0.5),
+                                       first_below(out->time, out->high, out->steps, 0.5),
+                                       (double)out->events, level};
+    if (out->events == out->replicas && exact_low(n, n, 0.5 - 0.5 * level) <= 0.5) {
+        out->median.low = -INFINITY; /* even the first of so few may come after the median */
+    }
+}
+
 static void say(struct rk_rise_time *out) {
+    if (out->events == out->replicas) {
+        snprintf(out->text, sizeof out->text,
+                 "all of %zu replicas got there; median of their times with the ends that order "
+                 "statistics give, mean if the chance is constant in time%s",
+                 out->replicas,
+                 isinf(out->median.high) ? "; they are too few for an interval of the median" : "");
+        return;
+    }
     if (out->events == 0) {
         snprintf(
             out->text, sizeof out->text,
@@ -141,10 +179,10 @@ enum rk_status rk_rise_time_estimate(struct rk_rise_time **out, const double *ti
     if (status == RK_OK) {
         find_mean(rise, records, level);
         find_curve(rise, records, level);
-        rise->median = (struct rk_interval){
-            first_below(rise->time, rise->survival, rise->steps, 0.5),
-            first_below(rise->time, rise->low, rise->steps, 0.5),
-            first_below(rise->time, rise->high, rise->steps, 0.5), (double)rise->events, level};
+        if (rise->events == replicas) {
+            make_exact(rise, level);
+        }
+        find_median(rise, level);
         say(rise);
     }
     free(records);

@@ -38,14 +38,14 @@ static const char *const doc_of_shape[RK_PDF_FAMILIES] = {
 /* What is refused is no number. */
 static void fill_fit(struct rk_result *result, const struct rk_pdf_fit *fit, const struct names *n,
                      size_t family, const char *unit) {
-    struct rk_interval shape = fit->shape, scale = fit->scale;
+    struct rk_interval shape = fit->shape, scale = fit->scale, location = fit->location;
     if (fit->verdict == RK_REFUSED) {
-        shape.estimate = scale.estimate = NAN;
+        shape.estimate = scale.estimate = location.estimate = NAN;
     }
     rk_analysis_add_interval(result, n->shape, "", doc_of_shape[family], &shape, 1);
     rk_analysis_add_interval(result, n->scale, unit,
                              family == 0 ? "its scale, 1/sqrt(beta)" : "its scale, a", &scale, 1);
-    rk_analysis_add_interval(result, n->location, unit, "its centre", &fit->location, 1);
+    rk_analysis_add_interval(result, n->location, unit, "its centre", &location, 1);
     rk_result_scalar(result, n->resampled[0], "", "interval of the exponent by bootstrap",
                      fit->resampled.low);
     rk_result_scalar(result, n->resampled[1], "", "likewise", fit->resampled.high);
@@ -105,6 +105,7 @@ static void fill_columns(struct rk_result *result, const struct rk_pdf *pdf, dou
 }
 
 static void fill_whole(struct rk_result *result, const struct rk_pdf *pdf, double level) {
+    result->refused = pdf->fit[0].verdict == RK_REFUSED && pdf->fit[1].verdict == RK_REFUSED;
     snprintf(result->verdict, sizeof result->verdict, "%s", pdf->text);
     rk_result_scalar(result, "choice", "",
                      "0 undecided, 1 q-Gaussian, 2 stretched, 3 Gaussian, 4 neither", pdf->choice);
@@ -202,6 +203,9 @@ void rk_pdf_print(const struct rk_result *result, FILE *out) {
         if (rk_result_find(result, sides[i])) {
             rk_analysis_print_interval(result, sides[i], 12, out);
         }
+    }
+    if (result->refused) {
+        return; /* what is known are the densities of the bins; the reason is told by the caller */
     }
     fprintf(out, "%-12s %.6g  AIC of the q-Gaussian less that of the stretched exponential\n",
             "aic", rk_result_number(result, "q_aic") - rk_result_number(result, "b_aic"));

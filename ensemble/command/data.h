@@ -19,7 +19,8 @@
 struct rk_data_options {
     const char *column, *replica, *point, *observable, *plot;
     bool integral, json, csv;
-    bool forces; /* of the contacts in the frames between from and to, not an observable */
+    bool forces;    /* of the contacts in the frames between from and to, not an observable */
+    bool unordered; /* samples whose order means nothing: the times of a table are not looked at */
     uint64_t window, from, to, bootstrap, seed;
     double interval, level;
     bool own_from, own_to; /* were not given: they are those of the study's own analysis */

@@ -82,6 +82,13 @@ static enum rk_status read_run(const char *operand, const struct rk_data_options
     return RK_OK;
 }
 
+static void warn(void *context, const char *line) {
+    (void)context;
+    rk_warn("%s", line);
+}
+
+static const struct rk_notice notice = {warn, NULL};
+
 static enum rk_status read_file(const char *operand, const struct rk_data_options *o,
                                 struct rk_data *data, struct rk_error *err) {
     const char *path = rk_data_dataset(operand);
@@ -89,7 +96,8 @@ static enum rk_status read_file(const char *operand, const struct rk_data_option
         return read_run(operand, o, data, err);
     }
     if (!path) {
-        const struct rk_table_request request = {o->column, o->replica, 0};
+        const bool series = !o->forces && !o->unordered;
+        const struct rk_table_request request = {o->column, o->replica, 0, series ? &notice : NULL};
         return rk_table_read(operand, &request, &data->samples, err);
     }
     if (o->column || o->replica) {
@@ -153,15 +161,9 @@ static enum rk_status check_observable(const struct rk_case *scene, const char *
                    rk_hint_of(nearest, "; they are called probe.column").text);
 }
 
-static void warn(void *context, const char *line) {
-    (void)context;
-    rk_warn("%s", line);
-}
-
 enum rk_status rk_data_gather(const char *folder, const struct rk_plan *plan, size_t p,
                               const struct rk_data_options *o, struct rk_gathered *g,
                               struct rk_error *err) {
-    const struct rk_notice notice = {warn, NULL};
     const struct rk_span span = {o->from, o->to};
     const char *name = plan->study->points[p].name;
     enum rk_status status = o->forces ? rk_gather_forces(folder, plan, p, &span, &notice, g, err)
@@ -237,7 +239,7 @@ enum rk_status rk_data_columns(const char *path, const char *const *names,
         columns[c] = (struct rk_samples){0};
     }
     for (size_t c = 0; status == RK_OK && c < count; c++) {
-        const struct rk_table_request request = {names[c], NULL, 0};
+        const struct rk_table_request request = {.column = names[c]};
         status = rk_table_read(path, &request, &columns[c], err);
     }
     return status;

@@ -206,6 +206,7 @@ static int pdf(const void *options, size_t count, char *const *operands) {
     struct pdf_options o = *(const struct pdf_options *)options;
     const struct input input = {.options = &o};
     (void)count;
+    o.data.unordered = o.independent && !o.data.integral;
     if (o.weights || o.histogram) {
         rk_data_complete(&command, NULL, &o.data);
         return fit_columns(&command, operands[0], &o);

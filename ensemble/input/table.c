@@ -3,6 +3,7 @@
 #include "base/number.h"
 #include "base/piece.h"
 #include "ensemble/input/slurp.h"
+#include "ensemble/input/table_rows.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -10,10 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-struct row {
-    double value, replica;
-};
 
 struct reader {
     FILE *file;
@@ -24,10 +21,15 @@ struct reader {
     size_t number;
     char separator;         /* 0 until known; ' ' for runs of blanks */
     size_t column, replica; /* indices of the columns wanted */
-    bool ready;             /* they are known */
-    struct row *rows;
+    size_t time;            /* of that of the times; NONE */
+    size_t width;           /* fields of the first row, or of the header */
+    bool header, ready;     /* there is one; all this is known */
+    struct rk_table_row *rows;
     size_t count, room;
+    struct rk_table_clock clock; /* of the times */
 };
+
+static const size_t NONE = SIZE_MAX;
 
 /* A field in place: its text and where it stands, from 1. */
 struct field {
@@ -196,27 +198,70 @@ static enum rk_status choose(struct reader *r, const char *wanted, bool header,
                  rk_hint_of(nearest, "").text);
 }
 
+/* The column of the times of a series, unless it is asked for as something else. */
+static size_t find_time(const struct reader *r, const struct field *fields, size_t count) {
+    for (size_t i = 0; r->request->series && r->header && i < count; i++) {
+        bool other = i == r->column || (r->request->replica && i == r->replica);
+        if (!other && rk_table_is_time(fields[i].text)) {
+            return i;
+        }
+    }
+    return NONE;
+}
+
 static bool looks_numeric(const char *text) {
     char *end;
     strtod(text, &end); /* nan and inf as well: they are values, if unusable ones */
     return end != text && *end == '\0';
 }
 
+/* Decimal commas in data without header: a comma was taken for what parts fields, and a field has
+ * in it what really does. */
+static enum rk_status check_commas(const struct reader *r, const struct field *fields,
+                                   size_t count) {
+    for (size_t i = 0; i < count && r->separator == ','; i++) {
+        const char *text = fields[i].text;
+        if (strpbrk(text, "; \t") && strspn(text, "+-0123456789.eE; \t") == strlen(text)) {
+            return wrong(r, fields[i].column,
+                         "'%.40s' between commas holds more than one number: decimals follow a "
+                         "point, not a comma",
+                         text);
+        }
+    }
+    return RK_OK;
+}
+
 /* The first line that is no comment decides separator, header and columns. */
-static enum rk_status begin(struct reader *r, const struct field *fields, size_t count,
-                            bool *header) {
+static enum rk_status begin(struct reader *r, const struct field *fields, size_t count) {
     /* A line that holds any number is data: a header taken for data ends in a sentence, data taken
      * for a header would be lost without one. */
-    *header = true;
+    r->header = true;
     for (size_t i = 0; i < count; i++) {
-        *header = *header && !looks_numeric(fields[i].text);
+        r->header = r->header && !looks_numeric(fields[i].text);
     }
-    enum rk_status status = choose(r, r->request->column, *header, fields, count, &r->column);
+    enum rk_status status = choose(r, r->request->column, r->header, fields, count, &r->column);
     if (status == RK_OK && r->request->replica) {
-        status = choose(r, r->request->replica, *header, fields, count, &r->replica);
+        status = choose(r, r->request->replica, r->header, fields, count, &r->replica);
     }
+    r->time = find_time(r, fields, count);
+    if (r->time != NONE) {
+        snprintf(r->clock.name, sizeof r->clock.name, "%s", fields[r->time].text);
+    }
+    r->width = count;
     r->ready = true;
-    return status;
+    return status == RK_OK && !r->header ? check_commas(r, fields, count) : status;
+}
+
+/* What a decimal comma parts would be read as two fields, and those after it in wrong columns. */
+static enum rk_status check_width(const struct reader *r, const struct field *fields,
+                                  size_t count) {
+    return count <= r->width
+               ? RK_OK
+               : wrong(r, fields[r->width].column, "the row has %zu fields, the %s %zu%s", count,
+                       r->header ? "header" : "first row", r->width,
+                       r->separator == ',' ? ": decimals follow a point, as a decimal comma parts "
+                                             "the row"
+                                           : "");
 }
 
 static enum rk_status take_number(struct reader *r, const struct field *fields, size_t count,
@@ -234,11 +279,19 @@ static enum rk_status take_number(struct reader *r, const struct field *fields, 
 }
 
 static enum rk_status keep(struct reader *r, const struct field *fields, size_t count) {
-    struct row row = {0, 0};
+    struct rk_table_row row = {.line = r->number};
     size_t most = r->request->rows ? r->request->rows : RK_SAMPLES_MAX;
     enum rk_status status = take_number(r, fields, count, r->column, &row.value);
     if (status == RK_OK && r->request->replica) {
         status = take_number(r, fields, count, r->replica, &row.replica);
+    }
+    if (status == RK_OK && r->count == 0 && r->time < count &&
+        !looks_numeric(fields[r->time].text)) {
+        r->time = NONE; /* dates, say: nothing is known of their order */
+    }
+    if (status == RK_OK && r->time != NONE) {
+        status = take_number(r, fields, count, r->time, &row.time);
+        rk_table_clock_note(&r->clock, r->time < count ? fields[r->time].text : "");
     }
     if (status != RK_OK) {
         return status;
@@ -248,7 +301,7 @@ static enum rk_status keep(struct reader *r, const struct field *fields, size_t 
     }
     if (r->count == r->room) {
         size_t room = r->room ? 2 * r->room : 1024;
-        struct row *rows = realloc(r->rows, room * sizeof *rows);
+        struct rk_table_row *rows = realloc(r->rows, room * sizeof *rows);
         if (!rows) {
             return rk_fail(r->err, RK_EMEMORY, "out of memory after %zu rows", r->count);
         }
@@ -263,8 +316,8 @@ static enum rk_status read_rows(struct reader *r, struct field *fields) {
     enum rk_status status = RK_OK;
     bool more = true;
     while ((status = next_line(r, &more)) == RK_OK && more) {
-        bool header = false;
         size_t count;
+        bool header = !r->ready; /* perhaps */
         if (r->number == 1 && strncmp(r->line, "\xef\xbb\xbf", 3) == 0) {
             memmove(r->line, r->line + 3, strlen(r->line) - 2);
         }
@@ -279,7 +332,11 @@ static enum rk_status read_rows(struct reader *r, struct field *fields) {
         r->separator = r->separator ? r->separator : separator_of(r->line);
         status = split(r, fields, &count);
         if (status == RK_OK && !r->ready) {
-            status = begin(r, fields, count, &header);
+            status = begin(r, fields, count);
+            header = r->header;
+        }
+        if (status == RK_OK) {
+            status = check_width(r, fields, count);
         }
         if (status == RK_OK && !header) {
             status = keep(r, fields, count);
@@ -294,76 +351,9 @@ static enum rk_status read_rows(struct reader *r, struct field *fields) {
     return status;
 }
 
-static int by_replica(const void *a, const void *b) {
-    double p = ((const struct row *)a)->replica, q = ((const struct row *)b)->replica;
-    return (p > q) - (p < q);
-}
-
-/* A stable sort: glibc's qsort is one only as long as it finds memory. */
-static bool sort_rows(struct row *rows, size_t count) {
-    struct row *from = rows, *spare = malloc(count * sizeof *spare);
-    if (!spare) {
-        return false;
-    }
-    struct row *to = spare;
-    for (size_t width = 1; width < count; width *= 2) {
-        for (size_t low = 0; low < count; low += 2 * width) {
-            size_t middle = low + width < count ? low + width : count;
-            size_t high = low + 2 * width < count ? low + 2 * width : count;
-            size_t i = low, j = middle;
-            for (size_t k = low; k < high; k++) {
-                bool left = i < middle && (j >= high || by_replica(&from[i], &from[j]) <= 0);
-                to[k] = left ? from[i++] : from[j++];
-            }
-        }
-        struct row *swap = from;
-        from = to;
-        to = swap;
-    }
-    if (from != rows) {
-        memcpy(rows, from, count * sizeof *rows);
-    }
-    free(spare);
-    return true;
-}
-
-/* Rows into a rectangle, one replica a line. */
-static enum rk_status arrange(struct reader *r, struct rk_samples *out) {
-    bool sorted = true;
-    for (size_t i = 1; i < r->count; i++) {
-        sorted = sorted && r->rows[i - 1].replica <= r->rows[i].replica;
-    }
-    if (!sorted && !sort_rows(r->rows, r->count)) {
-        return rk_fail(r->err, RK_EMEMORY, "out of memory for %zu rows", r->count);
-    }
-    size_t replicas = 1, longest = 1, length = 0; /* there is at least one row */
-    for (size_t i = 0; i < r->count; i++) {
-        bool next = i > 0 && r->rows[i].replica != r->rows[i - 1].replica;
-        replicas += next;
-        length = next ? 1 : length + 1;
-        longest = length > longest ? length : longest;
-    }
-    if (replicas > 4 * RK_SAMPLES_MAX / longest) {
-        return wrong(r, 1, "replicas of too different lengths to be held side by side");
-    }
-    out->values = calloc(replicas * longest, sizeof *out->values);
-    out->lengths = calloc(replicas, sizeof *out->lengths);
-    if (!out->values || !out->lengths) {
-        return rk_fail(r->err, RK_EMEMORY, "out of memory for %zu rows", r->count);
-    }
-    out->replicas = replicas;
-    out->samples = longest;
-    size_t replica = 0;
-    for (size_t i = 0; i < r->count; i++) {
-        replica += i > 0 && r->rows[i].replica != r->rows[i - 1].replica;
-        out->values[replica * longest + out->lengths[replica]++] = r->rows[i].value;
-    }
-    return RK_OK;
-}
-
 enum rk_status rk_table_read(const char *path, const struct rk_table_request *request,
                              struct rk_samples *out, struct rk_error *err) {
-    struct reader r = {.path = path, .request = request, .err = err};
+    struct reader r = {.path = path, .request = request, .err = err, .time = NONE};
     *out = (struct rk_samples){0};
     enum rk_status status = rk_input_open(path, &r.file, err);
     if (status == RK_OK) {
@@ -374,7 +364,11 @@ enum rk_status rk_table_read(const char *path, const struct rk_table_request *re
         free(fields);
     }
     if (status == RK_OK) {
-        status = arrange(&r, out);
+        status = rk_table_rows_arrange(r.rows, r.count, out, err);
+        rk_error_locate(err, "%s", path);
+    }
+    if (status == RK_OK && r.time != NONE) {
+        status = rk_table_rows_check_time(r.rows, r.count, &r.clock, path, request, err);
     }
     if (r.file) {
         fclose(r.file);

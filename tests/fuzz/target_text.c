@@ -70,8 +70,11 @@ static void *table_seed(size_t k, size_t *size) {
 }
 
 static enum rk_status table_attempt(const void *bytes, size_t size, struct rk_error *err) {
-    static const struct rk_table_request requests[] = {
-        {"2", NULL, 0}, {"height", "run", 0}, {NULL, NULL, 0}, {"1", "2", 3}};
+    static const struct rk_notice quiet = {NULL, NULL};
+    static const struct rk_table_request requests[] = {{"2", NULL, 0, NULL},
+                                                       {"height", "run", 0, &quiet},
+                                                       {NULL, NULL, 0, NULL},
+                                                       {"1", "2", 3, NULL}};
     const char *path = fuzz_file(bytes, size);
     enum rk_status status = RK_EINVALID;
     for (size_t r = 0; r < sizeof requests / sizeof *requests; r++) {

@@ -246,6 +246,40 @@ static void square_of_ornstein_uhlenbeck(void **state) {
 
 /* ---- Several windows ------------------------------------------------------------------------ */
 
+/* A stationary height: tau times the variance of its mean slope falls as 1/tau and its limit is 0,
+ * which half of the extrapolations miss to the wrong side. No end and no estimate is below 0, the
+ * text says what was cut, and the interval holds 0 but for those whose upper end is below it: of 40
+ * at 2.5 % at most 6 (binomial, 1e-4). */
+static void a_variance_is_not_negative(void **state) {
+    (void)state;
+    enum { ENSEMBLES = 40, R = 12, N = 121 };
+    static double h[R * N];
+    const uint64_t windows[] = {5, 10};
+    gsl_rng *rng = rng_of(57);
+    struct rk_stream stream = bootstrap_of(2);
+    size_t cut = 0, bounded = 0, none = 0;
+    for (size_t e = 0; e < ENSEMBLES; e++) {
+        for (size_t i = 0; i < R * N; i++) {
+            h[i] = gsl_ran_gaussian_ziggurat(rng, 1);
+        }
+        struct rk_series series = series_of(h, R, N, 1);
+        struct rk_ldf_limit *limit;
+        assert_int_equal(rk_ldf_limit_estimate(&limit, &series, RK_SERIES_INTEGRAL, windows, 2,
+                                               &standard, &stream, NULL),
+                         RK_OK);
+        const struct rk_interval *c = &limit->curvature;
+        assert_true(isnan(c->estimate) || c->estimate > 0);
+        assert_true(isnan(c->high) ? isnan(c->low) : c->low >= 0 && c->high > 0);
+        assert_true((strstr(limit->text, "cannot be negative") != NULL) == !(c->low > 0));
+        cut += c->estimate > 0 && c->low == 0;
+        bounded += isnan(c->estimate) && c->high > 0;
+        none += isnan(c->high) ? 1 : 0;
+        rk_ldf_limit_free(limit);
+    }
+    gsl_rng_free(rng);
+    assert_true(cut > 0 && bounded > 0 && none <= 6);
+}
+
 /* Area of an Ornstein-Uhlenbeck process, g = s = 1, at k = 0.7: lambda is 0.245 (1 - (1 -
  * e^-tau)/tau), .2205 at tau = 10; the slope between 5 and 10 is .2447, the limit .2450. The
  * intervals of one ensemble hold the exact values of the same windows within twice their width; the
@@ -627,6 +661,7 @@ int main(void) {
         cmocka_unit_test(points_agree_with_a_direct_sum),
         cmocka_unit_test(occupation_of_a_two_state_chain),
         cmocka_unit_test(square_of_ornstein_uhlenbeck),
+        cmocka_unit_test(a_variance_is_not_negative),
         cmocka_unit_test(windows_of_ornstein_uhlenbeck),
         cmocka_unit_test(independent_samples_have_converged),
         cmocka_unit_test(windows_share_their_units),

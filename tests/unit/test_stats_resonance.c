@@ -226,6 +226,32 @@ static void censored_times_by_hand(void **state) {
     rk_rise_time_free(rise);
 }
 
+/* All of n got there: P(median < X_(1)) = P(median > X_(n)) = 2^-n, which is below 2.5 % from 6 on;
+ * of 9 the second and the eighth are the ends: P(at most 1 of 9) = 10/512 < 2.5 % < 46/512. */
+static void all_times_known(void **state) {
+    (void)state;
+    const double times[] = {3, 1, 2, 6, 5, 4, 9, 8, 7};
+    bool seen[9];
+    memset(seen, true, sizeof seen);
+    const struct {
+        size_t replicas;
+        double low, high;
+    } expected[] = {{5, -INFINITY, INFINITY}, {6, 1, 6}, {9, 2, 8}};
+    for (size_t i = 0; i < 3; i++) {
+        struct rk_rise_time *rise;
+        size_t n = expected[i].replicas;
+        assert_int_equal(rk_rise_time_estimate(&rise, times, seen, n, 0.95, NULL), RK_OK);
+        assert_true(rise->median.low == expected[i].low && rise->median.high == expected[i].high);
+        /* none is left: (0.025)^(1/n) below the upper end */
+        double share = 1 - pow(0.025, 1 / (double)n);
+        assert_true(rise->low[n - 1] == 0 && fabs(rise->high[n - 1] - share) < 1e-9);
+        assert_ptr_equal(strstr(rise->text, "all of"), rise->text);
+        assert_null(strstr(rise->text, "others"));
+        assert_true((strstr(rise->text, "too few") != NULL) == (n == 5));
+        rk_rise_time_free(rise);
+    }
+}
+
 static void no_event_is_information_too(void **state) {
     (void)state;
     const double times[] = {1e300, 1e300};
@@ -339,6 +365,7 @@ int main(void) {
         cmocka_unit_test(intervals_cover),
         cmocka_unit_test(what_has_no_peak_is_refused),
         cmocka_unit_test(censored_times_by_hand),
+        cmocka_unit_test(all_times_known),
         cmocka_unit_test(no_event_is_information_too),
         cmocka_unit_test(first_passage_by_hand),
         cmocka_unit_test(mean_of_censored_times_covers),

@@ -53,7 +53,7 @@ static void good_tables(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof goods / sizeof *goods; i++) {
         const struct good *g = &goods[i];
-        struct rk_table_request request = {g->column, g->replica, 0};
+        struct rk_table_request request = {g->column, g->replica, 0, NULL};
         struct rk_samples out;
         struct rk_error err = RK_NO_ERROR;
         if (read_text(g->text, strlen(g->text), &request, &out, &err) != RK_OK) {
@@ -92,6 +92,13 @@ static const struct wrong wrongs[] = {
     {"a,b\n1,\"2\"3\n", "1", NULL, ":2:4", "after the quote"},
     {"\"a\"b c\n1 2\n", "1", NULL, ":1:2", "after the quote"},
     {"a;b\n1;2,5\n", "b", NULL, ":2:3", "point, not a comma"},
+    {"run,time,height\n0,0,0\n0,1,-0,158303\n", "height", NULL, ":3:8", "decimal comma"},
+    {"0,1\n0,1,5\n", "1", NULL, ":2:5", "first row 2: decimals"},
+    {"a;b\n1;2;3\n", "b", NULL, ":2:5", "header 2"},
+    {"a b\n1 2 3\n", "b", NULL, ":2:5", "header 2"},
+    {"0;1,5\n1;2,5\n", "2", NULL, ":1:1", "point, not a comma"},
+    {"0\t1,5\n", "2", NULL, ":1:1", "point, not a comma"},
+    {"0 1,5\n", "2", NULL, ":1:1", "point, not a comma"},
     {"a,b,a\n1,2,3\n", "a", NULL, ":1:1", "2 columns are called 'a'"},
     {"\x89HDF\r\n", NULL, NULL, ":1:1", "HDF5"},
 };
@@ -100,7 +107,7 @@ static void wrong_tables(void **state) {
     (void)state;
     for (size_t i = 0; i < sizeof wrongs / sizeof *wrongs; i++) {
         const struct wrong *w = &wrongs[i];
-        struct rk_table_request request = {w->column, w->replica, 0};
+        struct rk_table_request request = {w->column, w->replica, 0, NULL};
         struct rk_samples out;
         struct rk_error err = RK_NO_ERROR;
         char where[256];
@@ -113,9 +120,63 @@ static void wrong_tables(void **state) {
     }
 }
 
+struct timed {
+    const char *text, *replica, *place, *word; /* NULL: nothing is said; no place: a warning */
+};
+
+static const struct timed timeds[] = {
+    {"run,time,x\n0,0,1\n0,1,2\n0,2,3\n1,0,4\n1,1,5\n", NULL, ":5:1", "--replica names"},
+    {"run,time,x\n0,0,1\n0,1,2\n0,2,3\n1,0,4\n1,1,5\n", "run", NULL, NULL},
+    {"run,time,x\n0,0,1\n1,0,2\n0,1,3\n1,2,4\n0,1,5\n", "run", ":6:1", "in replica 0"},
+    {"time,x\n0,1\n2,2\n1,3\n", NULL, ":4:1", "1 comes after 2"},
+    {"t [s],x\n0,1\n0,2\n", NULL, ":3:1", "0 comes after 0"},
+    {"time,x\n0,1\n1,2\n2,3\n4,4\n5,5\n", NULL, NULL, ":5: the times (column 'time')"},
+    {"t,x\n0.0,1\n0.1,2\n0.3,3\n0.4,4\n", NULL, NULL, ":4: the times"},
+    /* Thirds to two digits: steps of 33 and 34 last places. Then a row is missing. */
+    {"t,x\n0,1\n0.33,2\n0.67,3\n1.00,4\n1.33,5\n", NULL, NULL, NULL},
+    {"t,x\n0,1\n0.33,2\n0.67,3\n1.33,5\n1.67,5\n", NULL, NULL, ":5: the times"},
+    /* Six significant digits: the last place grows with the time. */
+    {"t,x\n99.9111,1\n99.9667,2\n100.022,3\n100.078,4\n100.133,5\n", NULL, NULL, NULL},
+    {"t,x\n0,1\n1e-3,2\n2e-3,3\n3.2e-3,4\n", NULL, NULL, ":5: the times"},
+    {"T,x\n1,1\n1,2\n", NULL, NULL, NULL}, /* a temperature, say */
+    {"timer,x\n1,1\n1,2\n", NULL, NULL, NULL},
+    {"time,x\nmonday,1\nfriday,2\n", NULL, NULL, NULL},
+    {"time,x\n0,1\nfriday,2\n", NULL, ":3:1", "finite"},
+    {"time,x\n-1e308,1\n1e308,2\n1.1e308,2\n", NULL, NULL, ":3: the times"},
+};
+
+static void remember(void *context, const char *line) {
+    snprintf(context, 900, "%s", line);
+}
+
+static void times_of_a_series(void **state) {
+    (void)state;
+    for (size_t i = 0; i < sizeof timeds / sizeof *timeds; i++) {
+        const struct timed *t = &timeds[i];
+        char said[900] = "", where[256];
+        const struct rk_notice notice = {remember, said};
+        struct rk_table_request request = {"x", t->replica, 0, &notice};
+        struct rk_samples out;
+        struct rk_error err = RK_NO_ERROR;
+        snprintf(where, sizeof where, "%s%s", path, t->place ? t->place : "");
+        enum rk_status status = read_text(t->text, strlen(t->text), &request, &out, &err);
+        const char *message = t->place ? err.message : said;
+        if (status != (t->place ? RK_EINVALID : RK_OK) ||
+            (t->place && strcmp(err.where, where) != 0) ||
+            (t->word ? !strstr(message, t->word) : said[0] != '\0')) {
+            fail_msg("%s -> %d %s: %s%s", t->text, status, err.where, err.message, said);
+        }
+        rk_samples_clear(&out);
+        request.series = NULL; /* rows that are no series have times as they like */
+        status = read_text(t->text, strlen(t->text), &request, &out, &err);
+        assert_int_equal(status, RK_OK);
+        rk_samples_clear(&out);
+    }
+}
+
 static void bounds(void **state) {
     (void)state;
-    struct rk_table_request request = {NULL, NULL, 3};
+    struct rk_table_request request = {NULL, NULL, 3, NULL};
     struct rk_samples out;
     struct rk_error err = RK_NO_ERROR;
     assert_int_equal(read_text("1\n2\n3\n", 6, &request, &out, &err), RK_OK);
@@ -151,7 +212,7 @@ static void any_bytes_end_in_a_sentence(void **state) {
             double u = rk_stream_uniform(&stream);
             text[j] = spice[(size_t)(u * (double)(sizeof spice - 1))];
         }
-        struct rk_table_request request = {i % 3 ? "1" : NULL, i % 5 ? NULL : "2", 0};
+        struct rk_table_request request = {i % 3 ? "1" : NULL, i % 5 ? NULL : "2", 0, NULL};
         struct rk_samples out;
         struct rk_error err = RK_NO_ERROR;
         enum rk_status status = read_text(text, size, &request, &out, &err);
@@ -177,6 +238,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(good_tables),
         cmocka_unit_test(wrong_tables),
+        cmocka_unit_test(times_of_a_series),
         cmocka_unit_test(bounds),
         cmocka_unit_test(any_bytes_end_in_a_sentence),
     };
