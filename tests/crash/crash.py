@@ -142,7 +142,8 @@ def targets_are_reached(work):
     study.write_text(text + "analyses:\n  - rise\nuntil: {analysis: rise, quantity: rate, "
                      "half_width: 0.02, max_replicas: 12}\n")
     said = run(straight, "--threads", "1", study=study).stdout
-    whole = int(said.splitlines()[-2].split(" of ")[0].split()[-1])
+    done = [line for line in said.splitlines() if "runs done" in line][-1]
+    whole = int(done.split(" of ")[0].split()[-1])
     assert said.count("runs done") == 2 and 10 < whole <= 24, said
     found = []
     for wanted in (10, 11):
