@@ -33,7 +33,7 @@ struct rk_param_ref rk_param_find(const struct rk_param_table *table, const char
         const struct rk_param_group *group = &table->groups[g];
         size_t length = strlen(group->prefix);
         bool in = length == 0 || (strncmp(path, group->prefix, length) == 0 && path[length] == '.');
-        const char *name = path + length + (length > 0);
+        const char *name = in ? path + length + (length > 0) : path;
         for (size_t i = 0; in && i < group->count; i++) {
             if (strcmp(group->rows[i].name, name) == 0) {
                 return (struct rk_param_ref){group, &group->rows[i]};

@@ -28,10 +28,12 @@ static bool rejected(const struct rk_pdf_fit *fit) {
     return fit->verdict == RK_REFUSED || fit_p(fit) < LEVEL;
 }
 
-/* The family that Vuong's test finds nearer to the truth; RK_PDF_FAMILIES without a decision. */
+/* The family that Vuong's test finds nearer to the truth; RK_PDF_FAMILIES without a decision, or
+ * where that one is refused. */
 static size_t nearer_of(const struct rk_pdf *pdf) {
-    bool decided = pdf->vuong_p < LEVEL;
-    return decided ? (size_t)(pdf->vuong < 0) : (size_t)RK_PDF_FAMILIES;
+    size_t nearer = pdf->vuong < 0;
+    bool decided = pdf->vuong_p < LEVEL && pdf->fit[nearer].verdict != RK_REFUSED;
+    return decided ? nearer : (size_t)RK_PDF_FAMILIES;
 }
 
 static enum rk_pdf_choice choose(const struct rk_pdf *pdf) {
@@ -61,7 +63,7 @@ static void say_neither(struct rk_pdf *pdf) {
     }
     say(pdf, ".");
     size_t f = nearer_of(pdf);
-    if (f < RK_PDF_FAMILIES && pdf->fit[f].verdict != RK_REFUSED) {
+    if (f < RK_PDF_FAMILIES) {
         say(pdf, " The nearer of the two is the %s (%s = %.3g; Vuong's z = %.2f, p = %.2g).",
             full_names[f], pdf->fit[f].family->shape, pdf->fit[f].shape.estimate, pdf->vuong,
             pdf->vuong_p);
@@ -80,8 +82,15 @@ static void say_misfit(struct rk_pdf *pdf) {
     }
 }
 
+/* " a q-Gaussian (q = 1.5)", without the exponent of one that is refused. */
+static void say_family(struct rk_pdf *pdf, size_t f) {
+    say(pdf, " a %s", full_names[f]);
+    if (pdf->fit[f].verdict != RK_REFUSED) {
+        say(pdf, " (%s = %.3g)", pdf->fit[f].family->shape, pdf->fit[f].shape.estimate);
+    }
+}
+
 static void say_choice(struct rk_pdf *pdf) {
-    const struct rk_pdf_fit *q = &pdf->fit[0], *b = &pdf->fit[1];
     switch (pdf->choice) {
     case RK_PDF_GAUSSIAN:
         say(pdf,
@@ -90,11 +99,11 @@ static void say_choice(struct rk_pdf *pdf) {
             pdf->separation_p);
         break;
     case RK_PDF_UNDECIDED:
-        say(pdf,
-            "Not a Gaussian (p = %.2g), but the samples do not tell a q-Gaussian (q = %.3g) from a "
-            "stretched exponential (b = %.3g)",
-            pdf->separation_p, q->shape.estimate, b->shape.estimate);
-        if (!isnan(pdf->vuong_p)) {
+        say(pdf, "Not a Gaussian (p = %.2g), but the samples do not tell", pdf->separation_p);
+        say_family(pdf, 0);
+        say(pdf, " from");
+        say_family(pdf, 1);
+        if (pdf->vuong_p >= LEVEL) { /* below it the nearer one is refused */
             say(pdf, ": Vuong's z = %.2f, p = %.2g", pdf->vuong, pdf->vuong_p);
         }
         say(pdf, ".");

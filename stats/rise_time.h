@@ -7,8 +7,9 @@
  *     sum d_i/(n_i (n_i - d_i)) (E. Kaplan, P. Meier, J. Am. Stat. Assoc. 53 (1958) 457).
  *     The median is where S falls to 1/2, its ends where the band does. Where every replica got
  *     there S is a binomial share, its band that of Clopper and Pearson, exact, and the ends of the
- *     median are order statistics: of 6 times the least and the largest hold it in 1 - 2^-5 = 96.9
- * %. exponential: a constant chance per time, 1/mean, by maximum likelihood: mean = (sum of all
+ *     median are order statistics: of 6 times the least and the largest hold it in 96.9 %, which is
+ *     1 - 2^-5.
+ *   Exponential: a constant chance per time, 1/mean, by maximum likelihood: mean = (sum of all
  *     times, censored or not)/(number of events), with 2 sum t/mean taken for chi^2: of 2 d degrees
  *     at its upper and 2 d + 2 at its lower end, which never is too narrow.
  */

@@ -163,7 +163,9 @@ enum rk_status rk_report_write(const struct rk_report *report, const char *folde
     for (size_t i = 0; i < report->count && status == RK_OK; i++) {
         status = write_entry(report, &report->entries[i], place.text, notice, names, err);
     }
-    if (names && fclose(names) != 0 && status == RK_OK) {
+    bool listed = names && !ferror(names);
+    listed = names && fclose(names) == 0 && listed;
+    if (names && !listed && status == RK_OK) {
         status = rk_fail(err, RK_EMEMORY, "out of memory");
     }
     if (status == RK_OK) {

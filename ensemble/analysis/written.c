@@ -6,7 +6,7 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+#include <sys/stat.h>
 
 enum { LIST_MOST = 1 << 28 }; /* bytes */
 
@@ -42,6 +42,12 @@ static bool has(const struct lines *lines, const char *name) {
                    compare) != NULL;
 }
 
+/* A file or a link: what analyze writes, and what may be removed. */
+static bool is_plain(const char *path) {
+    struct stat about;
+    return lstat(path, &about) == 0 && (S_ISREG(about.st_mode) || S_ISLNK(about.st_mode));
+}
+
 /* A list may have been changed: only a name in this folder is one, and no hidden file. */
 static enum rk_status remove_stale(const char *folder, const struct lines *before,
                                    const struct lines *now, size_t *removed, struct rk_error *err) {
@@ -53,18 +59,24 @@ static enum rk_status remove_stale(const char *folder, const struct lines *befor
             continue;
         }
         status = rk_path_set(&path, err, "%s/%s", folder, name);
-        bool there = status == RK_OK && rk_name_exists(path.text);
+        bool there = status == RK_OK && is_plain(path.text);
         status = there ? rk_file_remove(path.text, err) : status;
         *removed += there && status == RK_OK;
     }
     return status;
 }
 
-/* The list of the last time; "" where there is none. */
-static enum rk_status read_list(const char *path, char **text, struct rk_error *err) {
+/* The list of the last time; "" where there is none that can be read: then nothing is removed. */
+static enum rk_status read_list(const char *path, const struct rk_notice *notice, char **text,
+                                struct rk_error *err) {
     size_t size;
-    if (rk_name_exists(path)) {
-        return rk_slurp(path, LIST_MOST, text, &size, err);
+    struct rk_error reason = RK_NO_ERROR;
+    if (is_plain(path)) {
+        enum rk_status status = rk_slurp(path, LIST_MOST, text, &size, &reason);
+        if (status == RK_OK) {
+            return RK_OK;
+        }
+        rk_notice_say(notice, "'%s' cannot be read: files of earlier analyses may remain", path);
     }
     *text = strdup("");
     return *text ? RK_OK : rk_fail(err, RK_EMEMORY, "out of memory");
@@ -80,14 +92,14 @@ enum rk_status rk_written_settle(const char *folder, const char *names,
     if (status == RK_OK && !copy) {
         status = rk_fail(err, RK_EMEMORY, "out of memory");
     }
-    status = status == RK_OK ? read_list(list.text, &old, err) : status;
+    status = status == RK_OK ? read_list(list.text, notice, &old, err) : status;
     status = status == RK_OK ? cut(old, &before, err) : status;
     status = status == RK_OK ? cut(copy, &now, err) : status;
     status = status == RK_OK ? remove_stale(folder, &before, &now, &removed, err) : status;
     if (removed > 0) {
         rk_notice_say(notice,
-                      "removed from '%s': %zu file%s of an earlier analyze, of analyses or points "
-                      "that are not there any more",
+                      "removed from '%s': %zu file%s of an earlier analyze that this one did not "
+                      "write",
                       folder, removed, removed == 1 ? "" : "s");
     }
     status = status == RK_OK ? rk_file_replace(list.text, names, strlen(names), err) : status;

@@ -86,6 +86,9 @@ enum rk_status rk_options_read(const struct rk_command *command, int argc, char 
 void rk_options_complete(const struct rk_command *command, void *values,
                          const struct rk_param_table *table, const void *params);
 
+/* Before that: was a count given that may be the study's? */
+bool rk_options_given(uint64_t count);
+
 /* Print the help of a command on stdout. */
 void rk_command_help(const struct rk_command *command);
 

@@ -64,6 +64,10 @@ static enum rk_status set(const struct rk_option *option, const char *text, void
 /* Stands in an option of the study until rk_options_complete: no option reaches so far. */
 static const uint64_t COUNT_NOT_GIVEN = UINT64_MAX;
 
+bool rk_options_given(uint64_t count) {
+    return count != COUNT_NOT_GIVEN;
+}
+
 static enum rk_status set_defaults(const struct rk_command *command, void *values,
                                    struct rk_error *err) {
     memset(values, 0, command->size);

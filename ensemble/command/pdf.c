@@ -206,7 +206,8 @@ static int pdf(const void *options, size_t count, char *const *operands) {
     struct pdf_options o = *(const struct pdf_options *)options;
     const struct input input = {.options = &o};
     (void)count;
-    o.data.unordered = o.independent && !o.data.integral;
+    const bool windows = rk_options_given(o.data.window) && o.data.window > 1;
+    o.data.unordered = o.independent && !o.data.integral && !windows;
     if (o.weights || o.histogram) {
         rk_data_complete(&command, NULL, &o.data);
         return fit_columns(&command, operands[0], &o);

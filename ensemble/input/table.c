@@ -252,9 +252,13 @@ static enum rk_status begin(struct reader *r, const struct field *fields, size_t
     return status == RK_OK && !r->header ? check_commas(r, fields, count) : status;
 }
 
-/* What a decimal comma parts would be read as two fields, and those after it in wrong columns. */
+/* What a decimal comma parts would be read as two fields, and those after it in wrong columns.
+ * Rows may end in a separator. */
 static enum rk_status check_width(const struct reader *r, const struct field *fields,
                                   size_t count) {
+    while (count > r->width && fields[count - 1].text[0] == '\0') {
+        count--;
+    }
     return count <= r->width
                ? RK_OK
                : wrong(r, fields[r->width].column, "the row has %zu fields, the %s %zu%s", count,
@@ -365,7 +369,9 @@ enum rk_status rk_table_read(const char *path, const struct rk_table_request *re
     }
     if (status == RK_OK) {
         status = rk_table_rows_arrange(r.rows, r.count, out, err);
-        rk_error_locate(err, "%s", path);
+        if (status) {
+            rk_error_locate(err, "%s", path);
+        }
     }
     if (status == RK_OK && r.time != NONE) {
         status = rk_table_rows_check_time(r.rows, r.count, &r.clock, path, request, err);

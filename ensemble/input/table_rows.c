@@ -2,6 +2,7 @@
 
 #include "base/memory.h"
 
+#include <float.h>
 #include <gsl/gsl_sort.h>
 #include <math.h>
 #include <stdlib.h>
@@ -105,33 +106,48 @@ void rk_table_clock_note(struct rk_table_clock *clock, const char *text) {
     clock->decimals = decimals > clock->decimals ? decimals : clock->decimals;
 }
 
+/* Each replica is one moment: rows of many bodies, say, which no order of time parts. */
+static bool are_snapshots(const struct rk_table_row *rows, size_t count) {
+    bool several = false;
+    for (size_t i = 1; i < count; i++) {
+        if (rows[i].replica == rows[i - 1].replica && rows[i].time != rows[i - 1].time) {
+            return false;
+        }
+        several = several || rows[i].replica != rows[i - 1].replica;
+    }
+    return several;
+}
+
 /* The last place that x is written to by who writes so many decimals, or so many digits. */
 static double last_place(double x, const struct rk_table_clock *clock) {
     double before = x != 0 ? floor(log10(fabs(x))) + 1 : -INFINITY;
     return pow(10, fmax(-clock->decimals, before - clock->significant));
 }
 
-/* Steps of evenly spaced times that were rounded to a place of theirs differ by one unit of it, if
- * they are longer than that: a step of one unit that is followed by one of two misses a row. */
-static bool is_even(double step, double median, double place) {
+/* Steps of evenly spaced times up to `most` that were rounded to a place of theirs differ by one
+ * unit of it, if they are longer than that: a step of one unit that is followed by one of two
+ * misses a row. */
+static bool is_even(double step, double median, double place, double most) {
     double rounding = median > 1.5 * place ? place : 0;
-    return fabs(step - median) <= 1e-6 * median + 1.001 * rounding;
+    return fabs(step - median) <= 1e-6 * median + 1.001 * rounding + 4 * DBL_EPSILON * most;
 }
 
 static enum rk_status complain(const struct rk_table_row *row, const struct rk_table_clock *clock,
                                const char *path, const struct rk_table_request *request,
                                struct rk_error *err) {
+    const char *digits =
+        row->time == row[-1].time ? ", and may be written with too few digits" : "";
     if (request->replica) {
         rk_fail(err, RK_EINVALID,
-                "in replica %g the time (column '%s') %.10g comes after %.10g: the rows of a "
+                "in replica %g the time (column '%s') %.15g comes after %.15g: the rows of a "
                 "replica must be in order of time, and --replica must name the column that says "
-                "which replica a row is of",
-                row->replica, clock->name, row->time, row[-1].time);
+                "which replica a row is of%s",
+                row->replica, clock->name, row->time, row[-1].time, digits);
     } else {
         rk_fail(err, RK_EINVALID,
-                "the time (column '%s') %.10g comes after %.10g: --replica names the column that "
-                "says which replica a row is of; the rows of one must be in order of time",
-                clock->name, row->time, row[-1].time);
+                "the time (column '%s') %.15g comes after %.15g: --replica names the column that "
+                "says which replica a row is of; the rows of one must be in order of time%s",
+                clock->name, row->time, row[-1].time, digits);
     }
     rk_error_locate(err, "%s:%zu:1", path, row->line);
     return RK_EINVALID;
@@ -151,11 +167,14 @@ static void warn_uneven(const struct rk_table_row *rows, size_t rows_count,
         return;
     }
     gsl_sort(steps, 1, count);
-    double median = steps[count / 2]; /* a step that occurs */
+    double median = steps[count / 2], place = 0, most = 0; /* the median is a step that occurs */
+    for (size_t i = 0; i < rows_count; i++) {
+        place = fmax(place, last_place(rows[i].time, clock));
+        most = fmax(most, fabs(rows[i].time));
+    }
     for (size_t i = 1; i < rows_count; i++) {
         double step = rows[i].time - rows[i - 1].time;
-        double place = fmax(last_place(rows[i].time, clock), last_place(rows[i - 1].time, clock));
-        if (rows[i].replica == rows[i - 1].replica && !is_even(step, median, place)) {
+        if (rows[i].replica == rows[i - 1].replica && !is_even(step, median, place, most)) {
             rk_notice_say(notice,
                           "%s:%zu: the times (column '%s') are not evenly spaced: a step of %.6g, "
                           "where the median is %.6g; the samples are taken as if they were",
@@ -169,6 +188,9 @@ enum rk_status rk_table_rows_check_time(const struct rk_table_row *rows, size_t 
                                         const struct rk_table_clock *clock, const char *path,
                                         const struct rk_table_request *request,
                                         struct rk_error *err) {
+    if (request->replica && are_snapshots(rows, count)) {
+        return RK_OK;
+    }
     for (size_t i = 1; i < count; i++) {
         if (rows[i].replica == rows[i - 1].replica && !(rows[i].time > rows[i - 1].time)) {
             return complain(&rows[i], clock, path, request, err);
