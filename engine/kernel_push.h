@@ -244,7 +244,7 @@ static INLINE void give(bool rotates, bool inner, double *force, const double *r
 /* Close pairs begin to end; gives how many touch. Three groups of them are under way at any time:
  * while the forces of one are summed, roots and quotients of the next are worked out and the rows
  * of the one behind that are brought together, so that none of these waits for another. What lies
- * behind the last pairs is looked at too: engine/close.h. */
+ * behind the last pairs is looked at too: fill_up of engine/close.c puts fillers there. */
 static INLINE size_t push_stretch(const struct flavour f, bool inner,
                                   const struct rk_grains *grains, const struct rk_contact_law *law,
                                   const struct rk_close *close, size_t begin, size_t end) {

@@ -27,7 +27,8 @@ static enum rk_status check(double before, double next, double last,
 enum rk_status rk_data_check_frames(const struct rk_schedule *schedule,
                                     const struct rk_data_options *o, struct rk_error *err) {
     uint64_t last = rk_schedule_periods(schedule);
-    uint64_t every = schedule->frame_every / (schedule->sample_every * schedule->samples_per_period);
+    uint64_t every =
+        schedule->frame_every / (schedule->sample_every * schedule->samples_per_period);
     uint64_t step = every > 0 && every < last ? every : last; /* without a rhythm: both ends */
     uint64_t gone = o->from > 0 ? (o->from - 1) / step : 0;   /* frames before, less one */
     uint64_t next = o->from > 0 ? (gone + 1) * step : 0;
